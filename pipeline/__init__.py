@@ -1,0 +1,43 @@
+"""Upwash: optimal formation flight of flapping birds from a minimal wake-vortex model.
+
+The names below load when they are first used, so that ``import pipeline`` (and with it ``upwash --help``)
+costs nothing:
+
+>>> from pipeline import load_species, solve_pair  # doctest: +SKIP
+>>> solve_pair(load_species("northern-bald-ibis").bird()).rows()[0]["saving_total"]  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pipeline.aero.bird import Bird
+    from pipeline.aero.wake import WakeModel
+    from pipeline.optimum import solve_flock, solve_pair
+    from pipeline.species import load_species
+
+__version__ = "0.1.0"
+__all__ = ["Bird", "WakeModel", "load_species", "solve_flock", "solve_pair"]
+
+_HOME = {
+    "Bird": "pipeline.aero.bird",
+    "WakeModel": "pipeline.aero.wake",
+    "load_species": "pipeline.species",
+    "solve_flock": "pipeline.optimum",
+    "solve_pair": "pipeline.optimum",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from the module it lives in, on first use."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
