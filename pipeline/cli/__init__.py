@@ -1,7 +1,7 @@
 """The command ``upwash``: its subcommands, its exit codes, and what an error looks like.
 
-A subcommand's module is imported when that subcommand is called and not before, so that ``upwash --help`` answers
-at once. Hence the table below holds what the list of commands prints.
+A subcommand's module is imported when that subcommand is called and not before, so that ``upwash --help``
+answers at once. Hence the table below holds what the list of commands prints.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class OneLineError(click.ClickException):
 
     def __init__(self, message: str, exit_code: int) -> None:
         super().__init__(" ".join(message.split()))
-        self.exit_code = exit_code
+        self.exit_code = exit_code  # type: ignore[misc]  # click reads it from the instance
 
 
 @contextmanager
@@ -70,7 +70,7 @@ def users_errors() -> Iterator[None]:
     except UpwashError as error:
         raise OneLineError(str(error), error.exit_code) from error
     except KeyboardInterrupt:
-        click.echo("Interrupted: what was finished is kept.", err=True)
+        click.echo("Interrupted.", err=True)
         raise click.exceptions.Exit(INTERRUPTED) from None
     except BrokenPipeError:
         # Whoever read our output has left; point stdout elsewhere so that the last flush does not complain.
@@ -112,7 +112,7 @@ class LazyGroup(click.Group):
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, message="%(prog)s %(version)s")
 def main() -> None:
-    """Optimal formation flight of flapping birds, from a minimal wake-vortex model.
+    r"""Optimal formation flight of flapping birds, from a minimal wake-vortex model.
 
     \b
     Example:

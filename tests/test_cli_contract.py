@@ -1,0 +1,130 @@
+"""What every command promises: it starts at once, says one line on a mistake, and exits with a known code."""
+
+import os
+import subprocess
+import sys
+import types
+
+import click
+import pytest
+from click.testing import CliRunner
+
+import pipeline
+from pipeline import cli
+from pipeline.errors import CheckFailed, UpwashError
+
+HEAVY = {"duckdb", "jinja2", "matplotlib", "numba", "numpy", "pandas", "pyarrow", "scipy"}
+NAMES = sorted(name for commands in cli.COMMANDS.values() for name in commands)
+MODULES = sorted({module for commands in cli.COMMANDS.values() for module, _ in commands.values()})
+
+
+def heavy_modules_after(code):
+    """Run Python code in a fresh interpreter; return which heavy packages it imported."""
+    script = f"{code}\nimport sys\nprint('imported:', *sorted({HEAVY!r} & set(sys.modules)))"
+    finished = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return set(finished.stdout.rpartition("imported:")[2].split())
+
+
+@pytest.fixture
+def run_command(monkeypatch):
+    """Return a function that runs a stand-in command `probe` with the body given, as a user would."""
+
+    def run(body):
+        module = types.ModuleType("pipeline.cli.stand_in")
+        module.probe = click.command("probe")(body)
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+        monkeypatch.setitem(cli.COMMANDS, "Tests", {"probe": ("stand_in", "A stand-in.")})
+        return CliRunner().invoke(cli.main, ["probe"])
+
+    return run
+
+
+def failing_with(error):
+    def body():
+        raise error
+
+    return body
+
+
+class TestStartsAtOnce:
+    def test_help_imports_nothing_heavy(self):
+        assert (
+            heavy_modules_after("from pipeline.cli import main\nmain(['--help'], standalone_mode=False)")
+            == set()
+        )
+
+    @pytest.mark.parametrize("module", MODULES)
+    def test_a_command_module_imports_nothing_heavy_until_it_works(self, module):
+        assert heavy_modules_after(f"import pipeline.cli.{module}") == set()
+
+    def test_importing_the_package_imports_nothing_heavy(self):
+        assert heavy_modules_after("import pipeline") == set()
+
+
+class TestHelp:
+    def test_lists_every_command(self):
+        output = CliRunner().invoke(cli.main, ["--help"]).output
+        assert all(f"\n  {name} " in output for name in NAMES)
+
+    @pytest.mark.parametrize("name", NAMES)
+    def test_every_command_shows_an_example(self, name):
+        command = cli.main.get_command(click.Context(cli.main), name)
+        paths = [[name, sub] for sub in command.commands] if isinstance(command, click.Group) else [[name]]
+        for path in paths:
+            result = CliRunner().invoke(cli.main, [*path, "--help"], prog_name="upwash")
+            assert result.exit_code == 0
+            assert f"upwash {' '.join(path)}" in result.output.partition("Example")[2], path
+
+    def test_version_is_the_package_version(self):
+        assert (
+            CliRunner().invoke(cli.main, ["--version"], prog_name="upwash").output
+            == f"upwash {pipeline.__version__}\n"
+        )
+
+
+class TestMistakes:
+    @pytest.mark.parametrize(
+        "arguments", [["no-such-command"], ["--no-such-option"], ["run", "--no-such-option"], ["run"]]
+    )
+    def test_bad_usage_is_one_line_and_exit_2(self, arguments):
+        result = CliRunner().invoke(cli.main, arguments)
+        assert result.exit_code == 2
+        assert result.stdout == ""
+        assert len(result.stderr.splitlines()) == 1
+        assert "--help" in result.stderr
+
+    @pytest.mark.parametrize(("error", "code"), [(UpwashError, 2), (CheckFailed, 3)])
+    def test_a_users_mistake_is_one_line_and_its_exit_code(self, run_command, error, code):
+        result = run_command(failing_with(error("mass_kg: expected a number > 0,\nfound -1")))
+        assert result.exit_code == code
+        assert result.stdout == ""
+        assert result.stderr == "Error: mass_kg: expected a number > 0, found -1\n"
+
+    def test_a_bug_keeps_its_traceback(self, run_command):
+        result = run_command(failing_with(ZeroDivisionError("a bug")))
+        assert isinstance(result.exception, ZeroDivisionError)
+
+    def test_an_interrupt_is_one_line_and_exit_130(self, run_command):
+        result = run_command(failing_with(KeyboardInterrupt()))
+        assert result.exit_code == 130
+        assert result.stderr == "Interrupted.\n"
+
+
+def test_a_reader_that_leaves_early_is_no_error():
+    reading, writing = os.pipe()
+    os.close(reading)
+    script = "from pipeline.cli import main; main(['--help'])"
+    finished = subprocess.run(
+        [sys.executable, "-c", script], stdout=writing, stderr=subprocess.PIPE, text=True
+    )
+    os.close(writing)
+    assert (finished.returncode, finished.stderr) == (141, "")
+
+
+class TestPackage:
+    def test_offers_its_public_names(self):
+        assert all(getattr(pipeline, name) is not None for name in pipeline.__all__)
+
+    def test_an_unknown_name_is_an_attribute_error(self):
+        with pytest.raises(AttributeError, match="no_such_name"):
+            pipeline.no_such_name  # noqa: B018
