@@ -69,7 +69,23 @@ def filament_velocity(
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
-def ring_velocity_gradient(point_x, point_y, point_z, first_x, last_x, first_z, last_z, half_width, along_x, along_z, core2):
+def ring_velocity_gradient(
+    point_x,
+    point_y,
+    point_z,
+    first_x,
+    last_x,
+    first_z,
+    last_z,
+    half_width,
+    along_x,
+    along_z,
+    core2,
+    edge_first,
+    edge_last,
+    edge_left,
+    edge_right,
+):
     """Return velocity and gradient of a tilted rectangle of unit circulation over 4π, centred on y = 0.
 
     The sum of its four filaments, written out: the spanwise ones lie along y and the tip filaments in planes of
@@ -87,6 +103,10 @@ def ring_velocity_gradient(point_x, point_y, point_z, first_x, last_x, first_z, 
         Unit vector from the first to the last station.
     core2 : float
         Square of the core radius, in m².
+    edge_first, edge_last, edge_left, edge_right : float
+        Squared distance to the starting, the stopping, the left and the right tip filament beyond which the outer
+        branch holds, in m².  With `core2` the field is the Rankine core's; any other value continues one branch
+        past the core edge (−1: the outer everywhere, infinity: the inner), which is smooth where the field is not.
 
     Returns
     -------
@@ -103,8 +123,8 @@ def ring_velocity_gradient(point_x, point_y, point_z, first_x, last_x, first_z, 
     rl, rr = yl2 + d * d, yr2 + d * d
     n0l, n0r = math.sqrt(q0 + yl2 + floor), math.sqrt(q0 + yr2 + floor)
     n1l, n1r = math.sqrt(q1 + yl2 + floor), math.sqrt(q1 + yr2 + floor)
-    m0, m1 = (q0 if q0 > core2 else core2), (q1 if q1 > core2 else core2)
-    ml, mr = (rl if rl > core2 else core2), (rr if rr > core2 else core2)
+    m0, m1 = (q0 if q0 > edge_first else core2), (q1 if q1 > edge_last else core2)
+    ml, mr = (rl if rl > edge_left else core2), (rr if rr > edge_right else core2)
     # One division gives all reciprocals: of the distances to the corners (i) and of the squared distances to the
     # filaments, no less than the core's (g).
     n0, n1, m01, mlr = n0l * n0r, n1l * n1r, m0 * m1, ml * mr
@@ -116,7 +136,7 @@ def ring_velocity_gradient(point_x, point_y, point_z, first_x, last_x, first_z, 
     g0, g1, gl, gr = per_m01 * m1, per_m01 * m0, per_mlr * mr, per_mlr * ml
     c0l, c0r, c1l, c1r = i0l * i0l * i0l, i0r * i0r * i0r, i1l * i1l * i1l, i1r * i1r * i1r
     # Spanwise filaments: starting at the first station, stopping (reversed) at the last.
-    out0, out1 = (2.0 if q0 > core2 else 0.0), (2.0 if q1 > core2 else 0.0)
+    out0, out1 = (2.0 if q0 > edge_first else 0.0), (2.0 if q1 > edge_last else 0.0)
     s0, s1 = yl * i0l - yr * i0r, yl * i1l - yr * i1r
     f0, f1 = s0 * g0, s1 * g1
     h0 = (yr * c0r - yl * c0l) * g0 - out0 * f0 * g0
@@ -125,7 +145,7 @@ def ring_velocity_gradient(point_x, point_y, point_z, first_x, last_x, first_z, 
     # Tip filaments: right along the run, left against it; both see the same distance from their common plane.
     ax, az = along_x, along_z
     p0, p1 = ax * x0 + az * z0, ax * x1 + az * z1
-    outl, outr = (2.0 if rl > core2 else 0.0), (2.0 if rr > core2 else 0.0)
+    outl, outr = (2.0 if rl > edge_left else 0.0), (2.0 if rr > edge_right else 0.0)
     sl, sr = p0 * i0l - p1 * i1l, p0 * i0r - p1 * i1r
     fl, fr = sl * gl, sr * gr
     hl, hr = outl * fl * gl, outr * fr * gr
@@ -261,6 +281,7 @@ def velocity(
 def _velocity_gradient(points, rings, circulation, core_radius, gradient):
     for i in range(points.shape[0]):
         for k in range(circulation.size):
+            core2 = core_radius * core_radius
             run = math.hypot(rings[k, 1] - rings[k, 0], rings[k, 3] - rings[k, 2])
             found = ring_velocity_gradient(
                 points[i, 0],
@@ -273,7 +294,11 @@ def _velocity_gradient(points, rings, circulation, core_radius, gradient):
                 rings[k, 5],
                 (rings[k, 1] - rings[k, 0]) / run,
                 (rings[k, 3] - rings[k, 2]) / run,
-                core_radius * core_radius,
+                core2,
+                core2,
+                core2,
+                core2,
+                core2,
             )
             for j in range(9):
                 gradient[i, j] += circulation[k] / FOUR_PI * found[3 + j]

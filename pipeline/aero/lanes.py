@@ -85,7 +85,7 @@ def wake_lanes(
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def wake_force_jacobian(point, lanes, core2, jacobian):
+def wake_force_jacobian(point, lanes, core2, edges, jacobian):
     """Return the wake-induced lift and thrust and fill in their Jacobian.
 
     Parameters
@@ -96,6 +96,9 @@ def wake_force_jacobian(point, lanes, core2, jacobian):
         From `wake_lanes`.
     core2 : float
         Square of the core radius.
+    edges : (4, l) ndarray of float
+        For the starting, stopping, left and right filament of each lane's ring, the squared distance beyond which
+        the outer branch of the core is taken: `core2` for the Rankine core, another value to continue a branch.
     jacobian : (2, 6) ndarray of float
         Overwritten: derivatives of lift (row 0) and thrust (row 1) by the six variables; where a node lies on a core
         edge, those from inside.
@@ -112,6 +115,7 @@ def wake_force_jacobian(point, lanes, core2, jacobian):
     centre_y, half_width, node, fixed = lanes[CENTRE_Y], lanes[HALF_WIDTH], lanes[NODE], lanes[SPAN_FIXED]
     flexed, height, steady, sliding = lanes[SPAN_FLEXED], lanes[HEIGHT], lanes[STEADY], lanes[SLIDING]
     along_x, along_z = lanes[ALONG_X], lanes[ALONG_Z]
+    edge_first, edge_last, edge_left, edge_right = edges[0], edges[1], edges[2], edges[3]
     for i in range(lanes.shape[1]):
         span = fixed[i] + flexed[i] * ratio
         beta = steady[i] + sliding[i] * phase
@@ -128,6 +132,10 @@ def wake_force_jacobian(point, lanes, core2, jacobian):
             along_x[i],
             along_z[i],
             core2,
+            edge_first[i],
+            edge_last[i],
+            edge_left[i],
+            edge_right[i],
         )
         lift += weight * vx
         lift_x += weight * vx_x
