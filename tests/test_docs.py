@@ -1,0 +1,93 @@
+"""The documentation is true: it builds without a warning, its links hold, and its code does what it shows."""
+
+import doctest
+import importlib
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from pipeline.cli import main
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+FENCE = re.compile(r"^```(?P<language>\w+)(?: title=\"(?P<title>[^\"]+)\")?\n(?P<body>.*?)^```$", re.M | re.S)
+
+
+def page_name(path):
+    """Return a page's path below the root, to name its test."""
+    return path.relative_to(ROOT).as_posix()
+
+
+def blocks(page):
+    """Return a page's fenced blocks, each as its language, its title if it has one, and its text."""
+    return [(m["language"], m["title"], m["body"]) for m in FENCE.finditer(page.read_text(encoding="utf-8"))]
+
+
+def is_run(page):
+    """Whether a page holds code that is run."""
+    return any(language in {"python", "console"} for language, _, _ in blocks(page))
+
+
+def run_session(text):
+    """Run each line after ``$ upwash``; what it prints must be the lines below it, ``...`` being anything."""
+    for step in re.split(r"^\$ ", text, flags=re.M)[1:]:
+        command, _, shown = step.partition("\n")
+        program, *arguments = shlex.split(command, comments=True)
+        assert program == "upwash", f"only upwash is run in a console block, found: {command}"
+        result = CliRunner().invoke(main, arguments, prog_name="upwash")
+        assert result.exit_code == 0, f"{command}\n{result.output}"
+        rules = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+        same = doctest.OutputChecker().check_output(shown, result.stdout, rules)
+        assert same or not shown.strip(), f"{command}\nshown:\n{shown}\nprinted:\n{result.stdout}"
+
+
+def test_the_site_builds_without_a_warning_and_every_link_in_it_leads_somewhere(tmp_path):
+    pytest.importorskip("material", reason="the documentation's packages are not installed")
+    environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
+    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", tmp_path / "site"]
+    finished = subprocess.run(build, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert finished.returncode == 0, finished.stderr
+    home = (tmp_path / "site" / "index.html").read_text(encoding="utf-8")
+    assert not re.search(r"<(script|link|img)[^>]+(src|href)=\"?https?:", home.replace('rel="canonical"', ""))
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", ROOT / "CHANGELOG.md"], ids=page_name)
+def test_links_outside_the_site_lead_somewhere(page):
+    targets = re.findall(r"\]\((?!https?:)([^)#\s]+)", page.read_text(encoding="utf-8"))
+    assert [target for target in targets if not (page.parent / target).exists()] == []
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if is_run(page)], ids=page_name)
+def test_code_in_the_documentation_does_what_it_shows(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for language, title, body in blocks(page):
+        if title:
+            (tmp_path / title).write_text(body, encoding="utf-8")
+        elif language == "python":
+            exec(compile(body, str(page), "exec"), names)
+        elif language == "console":
+            run_session(body)
+
+
+def equations():
+    """Return the nomenclature's equation labels, each with the dotted name of what implements it."""
+    page = (DOCS / "nomenclature.md").read_text(encoding="utf-8")
+    return re.findall(r"^\| `([^`]+)` \|[^|]+\| `(pipeline\.[^`]+)` \|$", page, flags=re.M)
+
+
+@pytest.mark.parametrize(("label", "home"), equations())
+def test_an_equation_of_the_paper_is_named_once_where_it_is_implemented(label, home):
+    package, room, stem, name = home.split(".")[:4]
+    assert hasattr(importlib.import_module(f"{package}.{room}.{stem}"), name)
+    sources = [path for room in ("aero", "optimum") for path in (ROOT / "pipeline" / room).glob("*.py")]
+    cited = re.compile(rf"[(\s]{re.escape(label)}[),]")
+    found = [path.stem for path in sources for _ in cited.finditer(path.read_text(encoding="utf-8"))]
+    assert found == [stem]
