@@ -51,7 +51,7 @@ def run_session(text):
 def test_the_site_builds_without_a_warning_and_every_link_in_it_leads_somewhere(tmp_path):
     pytest.importorskip("material", reason="the documentation's packages are not installed")
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
-    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", tmp_path / "site"]
+    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", tmp_path / "site"]
     finished = subprocess.run(build, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert finished.returncode == 0, finished.stderr
     home = (tmp_path / "site" / "index.html").read_text(encoding="utf-8")
