@@ -57,13 +57,12 @@ $(BIN)/python:
 		"name another, or install one" >&2; exit 2; }
 	$(PYTHON) -m venv $(VENV)
 
-# .venv/installed, .venv/installed-dev, .venv/installed-bench: stamps, renewed when a lock file changes.
-$(VENV)/installed%: requirements%.lock pyproject.toml | $(BIN)/python
-	$(PIP) install --require-hashes -r $<
-	$(PIP) install --no-deps --no-build-isolation --editable .
-	@touch $@
-
-$(VENV)/installed: requirements.lock pyproject.toml | $(BIN)/python
-	$(PIP) install --require-hashes -r $<
+# What .venv holds, as stamps; each is renewed when its lock file changes.
+STAMPS := $(VENV)/installed $(VENV)/installed-dev $(VENV)/installed-bench
+$(VENV)/installed: requirements.lock
+$(VENV)/installed-dev: requirements-dev.lock
+$(VENV)/installed-bench: requirements-bench.lock
+$(STAMPS): pyproject.toml | $(BIN)/python
+	$(PIP) install --require-hashes -r $(filter %.lock,$^)
 	$(PIP) install --no-deps --no-build-isolation --editable .
 	@touch $@
