@@ -40,7 +40,7 @@ GROUPS = {
         symbol="W/(rho b^2 U^2)",
         usual=(0.03, 0.4),
         possible=(0.003, 2.0),
-        reason="it is 2 C_L/AR: usual for a lift coefficient of 0.2 to 1.2 and an aspect ratio of 13 to 6",
+        reason="twice lift coefficient over aspect ratio: usual for 0.2 to 1.2 over 13 to 6",
         look_at="mass, wingspan and speed",
     ),
     "wavelength_number": Group(
