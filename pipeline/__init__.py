@@ -12,6 +12,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from pipeline.compiled_cache import use_cache_folder
+
 if TYPE_CHECKING:
     from pipeline.aero.bird import Bird
     from pipeline.aero.wake import WakeModel
@@ -28,6 +30,8 @@ _HOME = {
     "solve_flock": "pipeline.optimum",
     "solve_pair": "pipeline.optimum",
 }
+
+use_cache_folder()
 
 
 def __getattr__(name: str) -> Any:

@@ -10,6 +10,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 
 # A room is a folder or a module right below pipeline/. Each room -> the rooms that it may import from.
 MAY_IMPORT = {
+    "compiled_cache": set(),
     "errors": set(),
     "aero": set(),
     "optimum": {"aero", "errors"},
