@@ -1,0 +1,580 @@
+"""A proof that nothing is better: branch and bound on the follower's problem.
+
+Boxes live in (x, y, z_up, z_down, R, t), with z_up and z_down the heights of the raised and the lowered wingtips, so
+that the force with tips up does not see z_down and the reverse.  A box is cleared when for some multipliers ν
+
+    C + ν · (lift residual, thrust residual) > threshold
+
+throughout it; then no point of the box both balances and costs as little as the threshold.  Any ν is valid: the
+parent's is taken and improved by exact line searches on the dual of the affine relaxation.  The same bound, turned
+round, tells how much of a box's rim can be cut off.  Boxes that stay open are searched for better solutions, and what
+is left when the budget is spent is reported as open, with the bound reached.
+
+All bounds are ordinary floating point; a box is cleared only with a margin far above rounding.  The claim is
+"certified up to rounding, with margin 1e-9".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from pipeline.optimum.enclosure import (
+    BY_RATIO,
+    BY_X,
+    BY_Y,
+    BY_Z,
+    RADIUS,
+    VALUE,
+    enclose_wake_force,
+)
+from pipeline.optimum.local import SOLVED, solve_local
+from pipeline.optimum.problem import (
+    CORE2,
+    DRAG,
+    LIFT_FIXED,
+    LIFT_RATIO,
+    THRUST_FIXED,
+    THRUST_RATIO,
+    PairProblem,
+    cost_of,
+)
+
+MARGIN = 1e-9
+"""A box is cleared only if its bound exceeds the threshold by this much (costs are near 1)."""
+
+MOST_BOXES = 1_000_000
+"""Default budget of boxes."""
+
+TINY = 1e-5
+"""Half-width, in units of `WIDTHS`, below which a box is not split further but left open."""
+
+WIDTHS = np.array([0.3, 0.3, 0.3, 0.3, 0.1, 0.25])
+"""Lengths over which the six variables of a box matter alike."""
+
+DEPTH = 600
+WORTH_REPEATING = 0.3
+RADIUS_WEIGHT = 10.0
+LEAST_SLOPE = 1e-3
+UNREACHABLE_COST = 1e6
+ASCENT_ROUNDS = 3
+LEAST_MULTIPLIERS = (0.3, 0.5)
+"""Floor of the multipliers in the branching score; without it a coarse box looks flat in all but one variable."""
+
+SEARCH_WIDTH = 0.25
+SEARCH_EVERY = 400
+"""A local solve is tried from the centre of an open box narrower than the width, at most once in so many boxes."""
+
+# What becomes of a box.
+CLEARED, OPEN = range(2)
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What a branch and bound has shown of one box.
+
+    Attributes
+    ----------
+    lower_bound : float
+        No feasible point of the box costs less (in costs of the lone leader); infinite if none is feasible.
+    boxes : int
+        Boxes examined.
+    is_closed : bool
+        Whether every box was cleared at the asked tolerance.
+    found : (6,) ndarray of float or None
+        A better solution met on the way, if any.
+    found_cost : float
+        Its cost; infinite if none.
+    """
+
+    lower_bound: float
+    boxes: int
+    is_closed: bool
+    found: NDArray[np.float64] | None
+    found_cost: float
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _couple(low, high, limits):
+    """Shrink z_up and z_down to the ranges of mean height and amplitude; return whether anything is left."""
+    z_low, z_high, h_low, h_high = limits[0], limits[1], limits[2], limits[3]
+    low[2] = max(low[2], max(low[3] + h_low, 2.0 * z_low - high[3]))
+    high[2] = min(high[2], min(high[3] + h_high, 2.0 * z_high - low[3]))
+    low[3] = max(low[3], max(low[2] - h_high, 2.0 * z_low - high[2]))
+    high[3] = min(high[3], min(high[2] - h_low, 2.0 * z_high - low[2]))
+    return low[2] <= high[2] and low[3] <= high[3]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def relax(low, high, forms, constants, phase_end, relaxation):
+    """Reduce a box to an affine relaxation: cost and two residuals as forms in the six offsets.
+
+    Parameters
+    ----------
+    low, high : (6,) ndarray of float
+        The box.
+    forms : (2, 2, 2, 6) ndarray of float
+        Wake forces with tips up and tips down over the box, from `enclose_wake_force`.
+    constants : (10,) ndarray of float
+        `PairProblem.constants`.
+    phase_end : float
+        Greatest phase coordinate.
+    relaxation : (3, 8) ndarray of float
+        Overwritten: for cost, lift residual and thrust residual the value, six slopes and radius.  The own thrust
+        also holds the product of the offsets of amplitude and span ratio, which cost and thrust residual share: it is
+        left out of the radii, and in place of a radius the cost, whose form is a lower bound, has its slope by thrust.
+
+    Returns
+    -------
+    float
+        Radius of that product.
+    """
+    centre_ratio = 0.5 * (low[4] + high[4])
+    w_up, w_down, w_ratio = 0.5 * (high[2] - low[2]), 0.5 * (high[3] - low[3]), 0.5 * (high[4] - low[4])
+    amplitude = 0.5 * (low[2] + high[2]) - 0.5 * (low[3] + high[3])
+    share = 0.5 * (low[5] + high[5]) / phase_end
+    w_share = 0.5 * (high[5] - low[5]) / phase_end
+    lift = constants[LIFT_FIXED] + constants[LIFT_RATIO] * centre_ratio
+    span = constants[THRUST_FIXED] + constants[THRUST_RATIO] * centre_ratio
+    thrust = amplitude * span
+    product = abs(constants[THRUST_RATIO]) * (w_up + w_down) * w_ratio
+    by_ratio = amplitude * constants[THRUST_RATIO]
+    # The cost is convex in lift and thrust, so its tangent plane supports it from below.
+    cost, by_lift, by_thrust = cost_of(lift, thrust, constants)
+    relaxation[:] = 0.0
+    relaxation[0, 0] = cost
+    relaxation[0, 3], relaxation[0, 4] = by_thrust * span, -by_thrust * span
+    relaxation[0, 5] = by_lift * constants[LIFT_RATIO] + by_thrust * by_ratio
+    relaxation[0, 7] = by_thrust
+    relaxation[1, 0] = lift - 1.0
+    relaxation[1, 5] = constants[LIFT_RATIO]
+    relaxation[2, 0] = thrust - constants[DRAG]
+    relaxation[2, 3], relaxation[2, 4], relaxation[2, 5] = span, -span, by_ratio
+    w_x, w_y = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])
+    for part in range(2):
+        w_z = w_up if part == 0 else w_down
+        for c in range(2):
+            start, end, row = forms[part, 0, c], forms[part, 1, c], relaxation[1 + c]
+            row[0] += start[VALUE] + share * (end[VALUE] - start[VALUE])
+            dx, dy = end[BY_X] - start[BY_X], end[BY_Y] - start[BY_Y]
+            dz, dr = end[BY_Z] - start[BY_Z], end[BY_RATIO] - start[BY_RATIO]
+            row[1] += start[BY_X] + share * dx
+            row[2] += start[BY_Y] + share * dy
+            row[3 + part] += start[BY_Z] + share * dz
+            row[5] += start[BY_RATIO] + share * dr
+            row[6] += (end[VALUE] - start[VALUE]) / phase_end
+            row[7] += start[RADIUS] + share * (end[RADIUS] - start[RADIUS])
+            row[7] += w_share * (
+                abs(dx) * w_x
+                + abs(dy) * w_y
+                + abs(dz) * w_z
+                + abs(dr) * w_ratio
+                + abs(end[RADIUS] - start[RADIUS])
+            )
+    return product
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def dual_bound(relaxation, product, widths, nu_lift, nu_thrust):
+    """Return a lower bound of the Lagrangian over a box.
+
+    Parameters
+    ----------
+    relaxation, product
+        From `relax`.
+    widths : (6,) ndarray of float
+        Half-widths of the box.
+    nu_lift, nu_thrust : float
+        Multipliers.
+
+    Returns
+    -------
+    float
+        The bound.
+    """
+    by_thrust = relaxation[0, 7]
+    total = relaxation[0, 0] + nu_lift * relaxation[1, 0] + nu_thrust * relaxation[2, 0]
+    for i in range(6):
+        slope = relaxation[0, 1 + i] + nu_lift * relaxation[1, 1 + i] + nu_thrust * relaxation[2, 1 + i]
+        total -= abs(slope) * widths[i]
+    total -= abs(nu_lift) * relaxation[1, 7] + abs(nu_thrust) * relaxation[2, 7]
+    return total - abs(nu_thrust + by_thrust) * product
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _climb(relaxation, product, widths, nu, d_lift, d_thrust, origins, rates):
+    """Move the multipliers to the maximum of the dual along a direction; return it (infinite: no feasible point)."""
+    for i in range(6):
+        origins[i] = (
+            relaxation[0, 1 + i] + nu[0] * relaxation[1, 1 + i] + nu[1] * relaxation[2, 1 + i]
+        ) * widths[i]
+        rates[i] = (d_lift * relaxation[1, 1 + i] + d_thrust * relaxation[2, 1 + i]) * widths[i]
+    origins[6], rates[6] = nu[0] * relaxation[1, 7], d_lift * relaxation[1, 7]
+    origins[7], rates[7] = nu[1] * relaxation[2, 7], d_thrust * relaxation[2, 7]
+    origins[8], rates[8] = (nu[1] + relaxation[0, 7]) * product, d_thrust * product
+    base = relaxation[0, 0] + nu[0] * relaxation[1, 0] + nu[1] * relaxation[2, 0]
+    rate = d_lift * relaxation[1, 0] + d_thrust * relaxation[2, 0]
+    steepness = 0.0
+    for i in range(9):
+        steepness += abs(rates[i])
+    if abs(rate) > steepness * (1.0 + 1e-9) + 1e-14:
+        return np.inf
+    best, best_step = -np.inf, 0.0
+    for k in range(10):
+        step = 0.0
+        if k < 9:
+            if rates[k] == 0.0:
+                continue
+            step = -origins[k] / rates[k]
+        value = base + rate * step
+        for i in range(9):
+            value -= abs(origins[i] + rates[i] * step)
+        if value > best:
+            best, best_step = value, step
+    nu[0] += best_step * d_lift
+    nu[1] += best_step * d_thrust
+    return best
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _ascend(relaxation, product, widths, nu, threshold, origins, rates):
+    """Improve the multipliers until the bound exceeds the threshold or no search direction helps."""
+    best = dual_bound(relaxation, product, widths, nu[0], nu[1])
+    for _ in range(ASCENT_ROUNDS):
+        before = best
+        for direction in range(3):
+            if best > threshold:
+                return best
+            if direction == 0:
+                d_lift, d_thrust = relaxation[1, 0], relaxation[2, 0]
+                for i in range(6):
+                    slope = (
+                        relaxation[0, 1 + i] + nu[0] * relaxation[1, 1 + i] + nu[1] * relaxation[2, 1 + i]
+                    )
+                    sign = 1.0 if slope > 0.0 else -1.0
+                    d_lift -= sign * relaxation[1, 1 + i] * widths[i]
+                    d_thrust -= sign * relaxation[2, 1 + i] * widths[i]
+                if d_lift == 0.0 and d_thrust == 0.0:
+                    continue
+            else:
+                d_lift, d_thrust = (1.0, 0.0) if direction == 1 else (0.0, 1.0)
+            best = max(best, _climb(relaxation, product, widths, nu, d_lift, d_thrust, origins, rates))
+        if best - before < 1e-3 * (threshold - best):
+            break
+    return best
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _contract(low, high, relaxation, product, widths, cost_weight, nu_lift, nu_thrust, level):
+    """Cut off what of the rim violates weight·cost + ν·residuals ≤ level; return whether anything is left."""
+    total = cost_weight * relaxation[0, 0] + nu_lift * relaxation[1, 0] + nu_thrust * relaxation[2, 0]
+    for i in range(6):
+        slope = (
+            cost_weight * relaxation[0, 1 + i]
+            + nu_lift * relaxation[1, 1 + i]
+            + nu_thrust * relaxation[2, 1 + i]
+        )
+        total -= abs(slope) * widths[i]
+    total -= abs(nu_lift) * relaxation[1, 7] + abs(nu_thrust) * relaxation[2, 7]
+    total -= abs(nu_thrust + cost_weight * relaxation[0, 7]) * product
+    slack = level + MARGIN - total
+    if slack < 0.0:
+        return False
+    for i in range(6):
+        slope = (
+            cost_weight * relaxation[0, 1 + i]
+            + nu_lift * relaxation[1, 1 + i]
+            + nu_thrust * relaxation[2, 1 + i]
+        )
+        if abs(slope) * 2.0 * widths[i] > slack:
+            kept = slack / abs(slope)
+            if slope > 0.0:
+                high[i] = min(high[i], low[i] + kept)
+            else:
+                low[i] = max(low[i], high[i] - kept)
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scratch, forms):
+    """Try to clear a box; cut off what can be cut off.
+
+    Parameters
+    ----------
+    low, high : (6,) ndarray of float
+        The box; shrunk in place.
+    nu : (2,) ndarray of float
+        Multipliers to start from; improved in place.
+    lanes, constants : ndarray of float
+        The problem.
+    phase_end : float
+        Greatest phase coordinate.
+    limits : (4,) ndarray of float
+        Least and greatest mean height, least and greatest amplitude.
+    threshold : float
+        Cost to be exceeded.
+    scratch : (6, 10) ndarray of float
+        Scratch; on return rows 0 to 2 hold the last relaxation.
+    forms : (2, 2, 2, 6) ndarray of float
+        Scratch.
+
+    Returns
+    -------
+    state : int
+        `CLEARED` or `OPEN`.
+    bound : float
+        Lower bound of the cost of the feasible points of the box as it was given.
+    """
+    relaxation, widths, origins, rates = scratch[0:3, 0:8], scratch[3, 0:6], scratch[4], scratch[5]
+    half = lanes.shape[1] // 2
+    bound = -np.inf
+    while True:
+        if not _couple(low, high, limits):
+            return CLEARED, np.inf
+        before = 1.0
+        for i in range(6):
+            widths[i] = 0.5 * (high[i] - low[i])
+            before *= max(widths[i], 1e-12)
+        for part in range(2):
+            enclose_wake_force(
+                0.5 * (low[0] + high[0]),
+                0.5 * (low[1] + high[1]),
+                0.5 * (low[2 + part] + high[2 + part]),
+                0.5 * (low[4] + high[4]),
+                widths[0],
+                widths[1],
+                widths[2 + part],
+                widths[4],
+                lanes,
+                part * half,
+                (part + 1) * half,
+                part == 0,
+                phase_end,
+                constants[CORE2],
+                forms[part],
+            )
+        product = relax(low, high, forms, constants, phase_end, relaxation)
+        bound = max(bound, _ascend(relaxation, product, widths, nu, threshold + MARGIN, origins, rates))
+        if bound > threshold + MARGIN:
+            return CLEARED, bound
+        alive = _contract(low, high, relaxation, product, widths, 1.0, nu[0], nu[1], threshold)
+        for sign in (-1.0, 1.0):
+            alive = alive and _contract(low, high, relaxation, product, widths, 0.0, sign, 0.0, 0.0)
+            alive = alive and _contract(low, high, relaxation, product, widths, 0.0, 0.0, sign, 0.0)
+        if not alive:
+            return CLEARED, bound
+        after = 1.0
+        for i in range(6):
+            if high[i] < low[i]:
+                return CLEARED, bound
+            after *= max(0.5 * (high[i] - low[i]), 1e-12)
+        if after > WORTH_REPEATING * before:
+            return OPEN, bound
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _split_variable(low, high, nu, relaxation):
+    """Choose the variable whose range widens the bound most.
+
+    A variable widens it by its slope and by its share in the radii, which grow with the squares of the ranges of the
+    positions.  Multipliers enter with a floor, or a coarse box would look flat in all but one variable.
+    """
+    weight_lift = max(abs(nu[0]), LEAST_MULTIPLIERS[0])
+    weight_thrust = max(abs(nu[1]), LEAST_MULTIPLIERS[1])
+    radius = weight_lift * relaxation[1, 7] + weight_thrust * relaxation[2, 7]
+    squares = 0.0
+    for i in range(5):
+        squares += (0.5 * (high[i] - low[i])) ** 2
+    best, chosen = -1.0, 0
+    for i in range(6):
+        width = 0.5 * (high[i] - low[i])
+        score = width * (
+            abs(relaxation[0, 1 + i])
+            + weight_lift * abs(relaxation[1, 1 + i])
+            + weight_thrust * abs(relaxation[2, 1 + i])
+            + LEAST_SLOPE / WIDTHS[i]
+        )
+        if i < 5:
+            score += RADIUS_WEIGHT * radius * width * width / squares
+        if score > best:
+            best, chosen = score, i
+    return chosen
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def branch_and_bound(
+    low,
+    high,
+    limits,
+    threshold,
+    tolerance,
+    budget,
+    lanes,
+    group,
+    representative,
+    constants,
+    bounds,
+    phase_end,
+    found,
+    is_searching,
+):
+    """Clear a box of points cheaper than the threshold, looking for better solutions where it will not clear.
+
+    Parameters
+    ----------
+    low, high : (6,) ndarray of float
+        The box in (x, y, z_up, z_down, R, t).
+    limits : (4,) ndarray of float
+        Least and greatest mean height, least and greatest amplitude.
+    threshold : float
+        Cost to be exceeded.
+    tolerance : float
+        When a better solution is found the threshold becomes its cost less this share.
+    budget : int
+        Most boxes to examine.
+    lanes, group, representative, constants : ndarray
+        The problem, see `pipeline.optimum.local.solve_local`.
+    bounds : (6, 2) ndarray of float
+        Bounds within which local solves run.
+    phase_end : float
+        Greatest phase coordinate.
+    found : (6,) ndarray of float
+        Overwritten by the best solution met on the way.
+    is_searching : bool
+        Whether to try local solves from open boxes.
+
+    Returns
+    -------
+    lower_bound : float
+        No feasible point of the box costs less.
+    boxes : int
+        Boxes examined.
+    is_closed : bool
+        Whether all boxes were cleared.
+    found_cost : float
+        Cost of the best solution met on the way, infinite if none.
+    """
+    stack_low, stack_high = np.empty((DEPTH, 6)), np.empty((DEPTH, 6))
+    stack_nu, stack_bound = np.empty((DEPTH, 2)), np.empty(DEPTH)
+    scratch, forms = np.empty((6, 10)), np.empty((2, 2, 2, 6))
+    box_low, box_high, nu = np.empty(6), np.empty(6), np.empty(2)
+    start, end, multipliers, pins = np.empty(6), np.empty(6), np.empty(2), np.empty(representative.shape[0])
+    stack_low[0], stack_high[0], stack_nu[0] = low, high, 0.0
+    stack_bound[0] = -np.inf
+    height, boxes, last_search = 1, 0, -SEARCH_EVERY
+    left_open, found_cost = np.inf, np.inf
+    while height > 0 and boxes < budget:
+        height -= 1
+        boxes += 1
+        for i in range(6):
+            box_low[i], box_high[i] = stack_low[height, i], stack_high[height, i]
+        nu[0], nu[1] = stack_nu[height, 0], stack_nu[height, 1]
+        state, bound = examine(
+            box_low, box_high, nu, lanes, constants, phase_end, limits, threshold, scratch, forms
+        )
+        if state == CLEARED:
+            continue
+        bound = max(bound, stack_bound[height])
+        widest = 0.0
+        for i in range(6):
+            widest = max(widest, 0.5 * (box_high[i] - box_low[i]) / WIDTHS[i])
+        if is_searching and widest < SEARCH_WIDTH and boxes - last_search > SEARCH_EVERY:
+            last_search = boxes
+            for i in range(6):
+                start[i] = 0.5 * (box_low[i] + box_high[i])
+            up, down = start[2], start[3]
+            start[2], start[3] = 0.5 * (up + down), up - down
+            status, cost, _ = solve_local(
+                start, lanes, group, representative, constants, bounds, end, multipliers, pins
+            )
+            if status == SOLVED and cost < found_cost:
+                found_cost = cost
+                found[:] = end
+                threshold = min(threshold, cost * (1.0 - tolerance))
+        if widest < TINY or height + 2 > DEPTH:
+            left_open = min(left_open, bound)
+            continue
+        chosen = _split_variable(box_low, box_high, nu, scratch[0:3, 0:8])
+        middle = 0.5 * (box_low[chosen] + box_high[chosen])
+        for child in range(2):
+            for i in range(6):
+                stack_low[height, i], stack_high[height, i] = box_low[i], box_high[i]
+            if child == 0:
+                stack_high[height, chosen] = middle
+            else:
+                stack_low[height, chosen] = middle
+            stack_nu[height, 0], stack_nu[height, 1], stack_bound[height] = nu[0], nu[1], bound
+            height += 1
+    for k in range(height):
+        left_open = min(left_open, stack_bound[k])
+    is_closed = left_open == np.inf
+    return min(left_open, threshold), boxes, is_closed, found_cost
+
+
+def certify(
+    problem: PairProblem,
+    group: NDArray[np.int64],
+    representative: NDArray[np.int64],
+    bounds: NDArray[np.float64],
+    incumbent: float,
+    tolerance: float,
+    budget: int = MOST_BOXES,
+    is_searching: bool = True,
+) -> Certificate:
+    """Prove that no feasible point within bounds costs less than an incumbent by more than a tolerance.
+
+    Parameters
+    ----------
+    problem : PairProblem
+        The problem, with two stroke states.
+    group, representative : ndarray of int
+        Its core edges, see `pipeline.optimum.edges.distinct_edges`.
+    bounds : (6, 2) ndarray of float
+        Bounds in (x, y, z, h, R, t): the problem's, or those of its V part.
+    incumbent : float
+        Cost of the best solution known, in costs of the lone leader; infinite if none is known.
+    tolerance : float
+        Share of the incumbent by which the proof may fall short of it.
+    budget : int
+        Most boxes to examine.
+    is_searching : bool
+        Whether open boxes are searched for better solutions.
+
+    Returns
+    -------
+    Certificate
+        What was shown.
+    """
+    (x, y, z, h, ratio, phase) = bounds
+    if np.any(bounds[:, 0] > bounds[:, 1]):
+        return Certificate(np.inf, 0, True, None, np.inf)
+    low = np.array([x[0], y[0], z[0] + 0.5 * h[0], z[0] - 0.5 * h[1], ratio[0], phase[0]])
+    high = np.array([x[1], y[1], z[1] + 0.5 * h[1], z[1] - 0.5 * h[0], ratio[1], phase[1]])
+    found = np.empty(6)
+    # With no incumbent a box is cleared only where no balance is possible.
+    threshold = incumbent * (1.0 - tolerance) if np.isfinite(incumbent) else UNREACHABLE_COST
+    lower_bound, boxes, is_closed, found_cost = branch_and_bound(
+        low,
+        high,
+        np.array([z[0], z[1], h[0], h[1]]),
+        threshold,
+        tolerance,
+        budget,
+        problem.lanes,
+        group,
+        representative,
+        problem.constants,
+        bounds,
+        1.0 / problem.model.stroke_states,
+        found,
+        is_searching,
+    )
+    is_found = found_cost < incumbent
+    if is_closed and not is_found and not np.isfinite(incumbent):
+        lower_bound = np.inf
+    return Certificate(
+        float(lower_bound), int(boxes), bool(is_closed), found if is_found else None, float(found_cost)
+    )
