@@ -1,7 +1,7 @@
 """Velocity induced by straight vortex filaments with a Rankine core, and its gradient.
 
-Outside its core a finite filament induces the Biot–Savart velocity; within, the fluid turns as a solid body.  With
-the filament a = r₂ − r₁ and the point at b from r₁ and c from r₂ both are
+Outside its core a finite filament induces the Biot–Savart velocity; within, the fluid turns as a solid body.
+With the filament a = r₂ − r₁ and the point at b from r₁ and c from r₂ both are
 
     v = Γ/4π · (a × b) · a·(b/|b| − c/|c|) / max(|a × b|², r_c² |a|²),
 
@@ -18,12 +18,13 @@ from numpy.typing import ArrayLike, NDArray
 
 FOUR_PI = 4.0 * math.pi
 
-# |b|² is never less than this much of the squared core radius.  The velocity at a filament's end is zero, since
-# a × b is; the floor only keeps 0/0 from being formed there, and changes no digit a millionth of a core away.
+# |b|² is never less than this much of the squared core radius.  The velocity at a filament's end is zero,
+# since a × b is; the floor only keeps 0/0 from being formed there, and changes no digit a millionth of a core
+# away.
 END_FLOOR = 1e-24
 
-# Sums may be reordered and multiplications fused, which lets the compiler fill its vector registers; what a result
-# means (signed infinities, not-a-number) stays as the language says.
+# Sums may be reordered and multiplications fused, which lets the compiler fill its vector registers; what a
+# result means (signed infinities, not-a-number) stays as the language says.
 FAST = {"contract", "reassoc", "nsz"}
 
 
@@ -88,8 +89,8 @@ def ring_velocity_gradient(
 ):
     """Return velocity and gradient of a tilted rectangle of unit circulation over 4π, centred on y = 0.
 
-    The sum of its four filaments, written out: the spanwise ones lie along y and the tip filaments in planes of
-    constant y, so few products remain, and neighbouring filaments share the distance to their corner.
+    The sum of its four filaments, written out: the spanwise ones lie along y and the tip filaments in planes
+    of constant y, so few products remain, and neighbouring filaments share the distance to their corner.
 
     Parameters
     ----------
@@ -104,15 +105,16 @@ def ring_velocity_gradient(
     core2 : float
         Square of the core radius, in m².
     edge_first, edge_last, edge_left, edge_right : float
-        Squared distance to the starting, the stopping, the left and the right tip filament beyond which the outer
-        branch holds, in m².  With `core2` the field is the Rankine core's; any other value continues one branch
-        past the core edge (−1: the outer everywhere, infinity: the inner), which is smooth where the field is not.
+        Squared distance to the starting, the stopping, the left and the right tip filament beyond which the
+        outer branch holds, in m².  With `core2` the field is the Rankine core's; any other value continues
+        one branch past the core edge (−1: the outer everywhere, infinity: the inner), which is smooth where
+        the field is not.
 
     Returns
     -------
     tuple of 12 float
-        Velocity (x, y, z) and its derivatives, row by row: vx by x, y, z; vy by x, y, z; vz by x, y, z.  On a core
-        edge the derivatives are those from inside.
+        Velocity (x, y, z) and its derivatives, row by row: vx by x, y, z; vy by x, y, z; vz by x, y, z.  On a
+        core edge the derivatives are those from inside.
     """
     floor = END_FLOOR * core2
     x0, x1, z0, z1 = point_x - first_x, point_x - last_x, point_z - first_z, point_z - last_z
@@ -125,8 +127,8 @@ def ring_velocity_gradient(
     n1l, n1r = math.sqrt(q1 + yl2 + floor), math.sqrt(q1 + yr2 + floor)
     m0, m1 = (q0 if q0 > edge_first else core2), (q1 if q1 > edge_last else core2)
     ml, mr = (rl if rl > edge_left else core2), (rr if rr > edge_right else core2)
-    # One division gives all reciprocals: of the distances to the corners (i) and of the squared distances to the
-    # filaments, no less than the core's (g).
+    # One division gives all reciprocals: of the distances to the corners (i) and of the squared distances to
+    # the filaments, no less than the core's (g).
     n0, n1, m01, mlr = n0l * n0r, n1l * n1r, m0 * m1, ml * mr
     per_n, per_m = n0 * n1, m01 * mlr
     per_all = 1.0 / (per_n * per_m)
@@ -210,17 +212,33 @@ def _add_ring_velocity(x, y, z, ring, circulation, core2, velocity_x, velocity_y
         velocity_z[i] += x1 * f1 - x0 * f0 + ax * tip
 
 
-# Points are taken in blocks whose coordinates and velocities stay in the first-level cache for all rings.
+# Points are taken in blocks: their coordinates, sorted into one row each, and their velocities then stay in
+# the first-level cache while all rings act on them, and the loop above fills whole vector registers.
 BLOCK = 512
 
 
-@njit(cache=True, nogil=True)
-def add_velocity(x, y, z, rings, circulation, core_radius, velocity_x, velocity_y, velocity_z):
-    """Add the velocity of rings at points to three arrays; `velocity` with every array given (for compiled loops).
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fill_block(points, rings, circulation, core2, x, y, z, velocity_x, velocity_y, velocity_z, velocity):
+    """Overwrite one block's velocity, working in six rows as long as the block."""
+    for i in range(points.shape[0]):
+        x[i], y[i], z[i] = points[i, 0], points[i, 1], points[i, 2]
+        velocity_x[i] = velocity_y[i] = velocity_z[i] = 0.0
+    for k in range(circulation.size):
+        ring = (rings[k, 0], rings[k, 1], rings[k, 2], rings[k, 3], rings[k, 4], rings[k, 5])
+        _add_ring_velocity(x, y, z, ring, circulation[k], core2, velocity_x, velocity_y, velocity_z)
+    for i in range(points.shape[0]):
+        velocity[i, 0], velocity[i, 1], velocity[i, 2] = velocity_x[i], velocity_y[i], velocity_z[i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_velocity(points, rings, circulation, core_radius, velocity):
+    """Overwrite an array with the velocity of rings at points; `velocity` for compiled loops and threads.
+
+    The interpreter's lock is released meanwhile, so threads may fill slices of one array at the same time.
 
     Parameters
     ----------
-    x, y, z : (p,) ndarray of float
+    points : (p, 3) ndarray of float
         Points, in m.
     rings : (n, 6) ndarray of float
         Tilted rectangles as in `pipeline.aero.wake.Wake`, in m.
@@ -228,24 +246,26 @@ def add_velocity(x, y, z, rings, circulation, core_radius, velocity_x, velocity_
         Circulation of each ring, in m²/s.
     core_radius : float
         Radius of the filaments' cores, in m.
-    velocity_x, velocity_y, velocity_z : (p,) ndarray of float
-        Added to, in m/s.
+    velocity : (p, 3) ndarray of float
+        Overwritten, in m/s.
     """
-    for first in range(0, x.size, BLOCK):
-        block = slice(first, min(first + BLOCK, x.size))
-        for k in range(circulation.size):
-            ring = (rings[k, 0], rings[k, 1], rings[k, 2], rings[k, 3], rings[k, 4], rings[k, 5])
-            _add_ring_velocity(
-                x[block],
-                y[block],
-                z[block],
-                ring,
-                circulation[k],
-                core_radius * core_radius,
-                velocity_x[block],
-                velocity_y[block],
-                velocity_z[block],
-            )
+    room = np.empty((6, min(BLOCK, points.shape[0])))
+    for first in range(0, points.shape[0], BLOCK):
+        block = points[first : first + BLOCK]
+        size = block.shape[0]
+        _fill_block(
+            block,
+            rings,
+            circulation,
+            core_radius * core_radius,
+            room[0, :size],
+            room[1, :size],
+            room[2, :size],
+            room[3, :size],
+            room[4, :size],
+            room[5, :size],
+            velocity[first : first + BLOCK],
+        )
 
 
 def velocity(
@@ -270,11 +290,12 @@ def velocity(
         Velocity, in m/s.
     """
     points = np.asarray(points, dtype=float)
-    x, y, z = (np.array(points[..., i], order="C").ravel() for i in range(3))
-    found = np.zeros((3, x.size))
-    rings, circulation = np.array(rings, dtype=float), np.array(circulation, dtype=float)
-    add_velocity(x, y, z, rings, circulation, float(core_radius), found[0], found[1], found[2])
-    return np.moveaxis(found, 0, -1).reshape(points.shape)
+    flat = np.require(points.reshape(-1, 3), requirements=["C", "W"])
+    found = np.empty_like(flat)
+    fill_velocity(
+        flat, np.array(rings, dtype=float), np.array(circulation, dtype=float), float(core_radius), found
+    )
+    return found.reshape(points.shape)
 
 
 @njit(cache=True, nogil=True)

@@ -1,0 +1,1 @@
+"""The physics, tested against the paper, the laws it rests on, and independent numbers."""

@@ -1,0 +1,169 @@
+"""The compiled wake force: the same force as the plain statement of the model, and an exact Jacobian."""
+
+import numpy as np
+import pytest
+
+from pipeline.aero.interaction import phase_piece, span_nodes, state_circulation_ratio, wake_force
+from pipeline.aero.lanes import (
+    AMPLITUDE,
+    CENTRE_Y,
+    FIRST_X,
+    FIRST_Z,
+    HALF_WIDTH,
+    HEIGHT,
+    LAST_X,
+    LAST_Z,
+    NODE,
+    PHASE,
+    SPAN_FIXED,
+    SPAN_FLEXED,
+    SPAN_RATIO,
+    X,
+    Y,
+    Z,
+    wake_force_jacobian,
+    wake_lanes,
+)
+from pipeline.aero.wake import WakeModel, vortex_wake
+
+LEADER = 1.04, 0.4  # amplitude in m, upstroke span ratio
+RESOLUTIONS = [(2, 2), (2, 5), (3, 2), (3, 4), (4, 3), (5, 2)]  # stroke states, span nodes
+EACH_RESOLUTION = pytest.mark.parametrize(("states", "nodes"), RESOLUTIONS)
+
+
+def lanes_of(bird, states, nodes, piece):
+    """Return the lanes of a bird behind one like itself, lengths in semispans, forces in N; and core²."""
+    b = bird.semispan_m
+    wake = vortex_wake(
+        LEADER[0] / b,
+        LEADER[1],
+        1.0,
+        bird.wavelength_m / b,
+        bird.circulation_m2_s / b,  # velocity of a ring of the scaled size is then in m/s
+        bird.circulation_ratio,
+        states,
+    )
+    wing = np.array([state_circulation_ratio(bird, k, states) for k in range(states)])
+    wing *= bird.density_kg_m3 * bird.circulation_m2_s * 2.0 * b
+    return wake_lanes(
+        wake, *phase_piece(piece, states), wing, states, nodes
+    ), WakeModel().core_radius_ratio ** 2
+
+
+def force_and_jacobian(point, lanes, core2, edges=None):
+    """Return lift and thrust as an array and their Jacobian."""
+    jacobian = np.full((2, 6), np.nan)
+    edges = np.full((4, lanes.shape[1]), core2) if edges is None else edges
+    return np.array(wake_force_jacobian(np.array(point), lanes, core2, edges, jacobian)), jacobian
+
+
+def followers(states, count, seed=0):
+    """Return follower points in semispans: x, y, z, amplitude, upstroke span ratio, phase coordinate."""
+    rng = np.random.default_rng(seed)
+    low = [0.0, -2.0, -1.7, 0.4, 0.3, 0.0]
+    return rng.uniform(low, [9.0, 4.0, 1.7, 1.7, 0.5, 1.0 / states], (count, 6))
+
+
+def nearest_core_edge(point, lanes, core2):
+    """Return how near the nodes of a follower come to a core edge, in semispans."""
+    span = lanes[SPAN_FIXED] + lanes[SPAN_FLEXED] * point[SPAN_RATIO]
+    y = point[Y] + lanes[NODE] * span - lanes[CENTRE_Y]
+    z = point[Z] + lanes[HEIGHT] * point[AMPLITUDE]
+    run_x, run_z = lanes[LAST_X] - lanes[FIRST_X], lanes[LAST_Z] - lanes[FIRST_Z]
+    below = (run_z * (point[X] - lanes[FIRST_X]) - run_x * (z - lanes[FIRST_Z])) / np.hypot(run_x, run_z)
+    distances = [
+        np.hypot(point[X] - lanes[FIRST_X], z - lanes[FIRST_Z]),
+        np.hypot(point[X] - lanes[LAST_X], z - lanes[LAST_Z]),
+        np.hypot(y + lanes[HALF_WIDTH], below),
+        np.hypot(y - lanes[HALF_WIDTH], below),
+    ]
+    return abs(np.array(distances) - np.sqrt(core2)).min()
+
+
+@EACH_RESOLUTION
+def test_there_is_a_lane_for_each_ring_node_and_pair_of_states(ibis, states, nodes):
+    rings = vortex_wake(*LEADER, 0.6, 3.75, 1.0, stroke_states=states).rings.shape[0]
+    lanes, _ = lanes_of(ibis, states, nodes, 0)
+    assert lanes.shape == (14, states * nodes * rings)
+    assert lanes.flags.c_contiguous
+    assert set(lanes[NODE]) == set(span_nodes(nodes)[0])
+
+
+@EACH_RESOLUTION
+def test_the_compiled_force_is_the_force_of_the_model(slack_ibis, states, nodes):
+    model, b = WakeModel(stroke_states=states, span_nodes=nodes), slack_ibis.semispan_m
+    for piece in range(states):
+        lanes, core2 = lanes_of(slack_ibis, states, nodes, piece)
+        for point in followers(states, 12, seed=piece):
+            x, y, z, amplitude, ratio, t = point
+            expected = wake_force(
+                slack_ibis,
+                *LEADER,
+                (b * x, b * y, b * z),
+                b * amplitude,
+                ratio,
+                piece / states + t,
+                model,
+            )
+            found, _ = force_and_jacobian(point, lanes, core2)
+            assert found == pytest.approx(expected, rel=1e-11, abs=1e-12)
+
+
+@EACH_RESOLUTION
+def test_the_jacobian_agrees_with_central_differences_away_from_core_edges(slack_ibis, states, nodes):
+    lanes, core2 = lanes_of(slack_ibis, states, nodes, states - 1)
+    step, tried = 2e-4, 0
+    for point in followers(states, 60, seed=states):
+        if nearest_core_edge(point, lanes, core2) < 3 * step:
+            continue
+        tried += 1
+        _, jacobian = force_and_jacobian(point, lanes, core2)
+        for variable in range(6):
+            shift = step * np.eye(6)[variable]
+            near, far = (
+                force_and_jacobian(point + k * shift, lanes, core2)[0]
+                - force_and_jacobian(point - k * shift, lanes, core2)[0]
+                for k in (1, 2)
+            )
+            slope = (8 * near - far) / (12 * step)
+            assert slope == pytest.approx(jacobian[:, variable], rel=1e-7, abs=1e-7 * slack_ibis.weight_n)
+    assert tried > 30
+
+
+def test_force_is_linear_in_the_phase_coordinate(ibis):
+    lanes, core2 = lanes_of(ibis, 2, 2, 1)
+    for point in followers(2, 10):
+        ends = [force_and_jacobian([*point[:PHASE], t], lanes, core2) for t in (0.0, 0.5)]
+        middle, jacobian = force_and_jacobian([*point[:PHASE], 0.25], lanes, core2)
+        assert middle == pytest.approx(0.5 * (ends[0][0] + ends[1][0]), rel=1e-12, abs=1e-13)
+        assert jacobian[:, PHASE] == pytest.approx(2.0 * (ends[1][0] - ends[0][0]), rel=1e-11, abs=1e-12)
+
+
+def test_raised_tips_depend_on_their_height_and_span_and_lowered_ones_on_their_height_alone(ibis):
+    # With z + h/2 kept, what changes with h is the force on the lowered tips; those do not know R.
+    lanes, core2 = lanes_of(ibis, 2, 2, 1)
+    raised, lowered = (np.ascontiguousarray(lanes[:, lanes[HEIGHT] == height]) for height in (0.5, -0.5))
+    assert raised.shape == lowered.shape == (14, 8)
+    for x, y, z, amplitude, ratio, t in followers(2, 10):
+        here, there = [x, y, z, amplitude, ratio, t], [x, y, z - 0.1, amplitude + 0.2, ratio, t]
+        assert force_and_jacobian(here, raised, core2)[0] == pytest.approx(
+            force_and_jacobian(there, raised, core2)[0], rel=1e-11, abs=1e-12
+        )
+        assert (force_and_jacobian(here, lowered, core2)[1][:, SPAN_RATIO] == 0.0).all()
+
+
+def test_a_branch_continued_past_the_core_edge_is_smooth_there(ibis):
+    # The follower's lowered inner tip crosses a tip vortex's core edge, as at the optimum.
+    lanes, core2 = lanes_of(ibis, 2, 2, 1)
+    start = np.array([3.05, 1.4605, -0.105, 1.2517, 0.347, 0.0])
+    ys = start[Y] + np.linspace(-0.3, 0.3, 6001)
+    edge_at = ys[np.argmin([nearest_core_edge([start[X], y, *start[2:]], lanes, core2) for y in ys])]
+    outer, rankine = np.full((4, lanes.shape[1]), -1.0), np.full((4, lanes.shape[1]), core2)
+    jumps = []
+    for edges in (rankine, outer):
+        sides = [
+            force_and_jacobian([start[X], edge_at + offset, *start[2:]], lanes, core2, edges)[1]
+            for offset in (-3e-4, 3e-4)
+        ]
+        jumps.append(abs(sides[1] - sides[0]).max() / abs(sides[0]).max())
+    assert jumps[0] > 20 * jumps[1]
