@@ -1,0 +1,106 @@
+"""What a results folder holds, job by job, from the few files that say so: fast enough to ask at any time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipeline.batch import columns as of
+from pipeline.batch.folder import RETIRED, Entry, ResultsFolder
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+
+@dataclass(frozen=True)
+class Known:
+    """How a job ended, and what kind of thing went wrong, or ""."""
+
+    status: str
+    cause: str
+
+
+@dataclass
+class Index:
+    """What is known of a results folder.
+
+    Parameters
+    ----------
+    gathered : dict of str to Known
+        Jobs whose rows are in a gathered table.
+    single : dict of str to Known
+        Jobs that have a file of their own, which counts if there are both.
+    """
+
+    gathered: dict[str, Known] = field(default_factory=dict)
+    single: dict[str, Known] = field(default_factory=dict)
+
+    @property
+    def jobs(self) -> dict[str, Known]:
+        """Every job that has a result."""
+        return self.gathered | self.single
+
+
+def read_index(folder: ResultsFolder) -> Index:
+    """Return what a results folder holds, trusting the journals; files found torn are passed over.
+
+    Only the files that no journal tells of are opened: those that came from elsewhere.
+    """
+    index = Index()
+    for path in gathered_files(folder):
+        index.gathered |= known_in(path, folder.kind())
+    written = folder.read_journals().entries
+    for job_id in folder.job_ids():
+        known = known_by(written[job_id][-1]) if job_id in written else read_known(folder, job_id)
+        if known:
+            index.single[job_id] = known
+    return index
+
+
+def gathered_files(folder: ResultsFolder) -> list[Path]:
+    """Return the tables of gathered rows; where two hold a job, the later one counts."""
+    from pipeline.batch.store import GATHERED
+
+    paths = [folder.path / RETIRED, folder.path / GATHERED[folder.kind()]]
+    return [path for path in paths if path.exists()]
+
+
+def known_by(entry: Entry) -> Known:
+    """Return what a journal's entry says of a job."""
+    return Known(entry.status, entry.cause)
+
+
+def known_of(table: pa.Table) -> dict[str, Known]:
+    """Return how each job in a table ended: by the worst of its rows."""
+    import pyarrow.compute as pc
+
+    known = dict.fromkeys(table.column("job_id").unique().to_pylist(), Known(of.SOLVED, ""))
+    others = table.filter(pc.not_equal(table.column("status"), of.SOLVED))
+    rows = (others.column(name).to_pylist() for name in ("job_id", "status", "error"))
+    for job_id, status, error in zip(*rows, strict=True):
+        if of.STATUSES.index(status) > of.STATUSES.index(known[job_id].status):
+            known[job_id] = Known(status, of.cause_of(error))
+    return known
+
+
+def known_in(path: Path, kind: str) -> dict[str, Known]:
+    """Return how each job in a gathered table ended; nothing if the table is damaged."""
+    from pipeline.batch.store import ROWS, Damaged, noticing, open_table
+
+    try:
+        with noticing(path), open_table(path, ROWS[kind]) as file:
+            return known_of(file.read(columns=["job_id", "status", "error"], use_threads=False))
+    except Damaged:
+        return {}
+
+
+def read_known(folder: ResultsFolder, job_id: str) -> Known | None:
+    """Return how a job ended, from its own file; None if that is damaged."""
+    from pipeline.batch.store import ROWS, Damaged, read_table
+
+    path = folder.job_file(job_id)
+    try:
+        return known_of(read_table(path, ROWS[folder.kind()])).get(job_id)
+    except Damaged:
+        return None

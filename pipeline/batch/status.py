@@ -1,0 +1,92 @@
+"""How far a sweep has come: counts, rate, time left, failures by cause."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import dataclass
+
+from pipeline.batch import columns as of
+from pipeline.batch.folder import Journals, ResultsFolder
+from pipeline.batch.index import read_index
+
+RATE_OVER = 200
+"""The rate is that of the last so many jobs of the runs under way."""
+
+
+@dataclass(frozen=True)
+class Status:
+    """How far a sweep has come.
+
+    Parameters
+    ----------
+    results, sweep : str
+        The folder, and the name of its sweep.
+    jobs, solved, infeasible, failed, left : int
+        Jobs of the sweep, in all and by how they ended.
+    others : int
+        Results in the folder that the sweep does not name.
+    is_running : bool
+        Whether someone is working on it.
+    jobs_per_s, seconds_left : float or None
+        Rate of the present run, and what it has still to go, if it is running and has done something.
+    causes : dict
+        What kept jobs from being solved -> how many of them.
+    """
+
+    results: str
+    sweep: str
+    jobs: int
+    solved: int
+    infeasible: int
+    failed: int
+    left: int
+    others: int
+    is_running: bool
+    jobs_per_s: float | None
+    seconds_left: float | None
+    causes: dict[str, int]
+
+
+def status_of(folder: ResultsFolder) -> Status:
+    """Return how far the sweep of a results folder has come.
+
+    Raises
+    ------
+    UpwashError
+        If the folder holds no results.
+    """
+    folder.require()
+    known = read_index(folder).jobs
+    plan = folder.plan()
+    ids = plan.jobs if plan else list(known)
+    ended = [known[job_id] for job_id in ids if job_id in known]
+    counts = Counter(one.status for one in ended)
+    left = len(ids) - len(ended)
+    is_running = folder.in_use()
+    rate = _rate(folder.read_journals()) if is_running else None
+    return Status(
+        results=str(folder),
+        sweep=plan.sweep if plan else "",
+        jobs=len(ids),
+        solved=counts[of.SOLVED],
+        infeasible=counts[of.INFEASIBLE],
+        failed=counts[of.FAILED],
+        left=left,
+        others=len(known.keys() - set(ids)),
+        is_running=is_running,
+        jobs_per_s=rate,
+        seconds_left=left / rate if rate else None,
+        causes=dict(Counter(one.cause for one in ended if one.status != of.SOLVED).most_common()),
+    )
+
+
+def _rate(journals: Journals) -> float | None:
+    """Return the jobs a second of the present run."""
+    begun = max(journals.begun, default=0.0)
+    times = sorted(entry.time for done in journals.entries.values() for entry in done if entry.time >= begun)
+    recent = times[-RATE_OVER:]
+    if not recent:
+        return None
+    since = begun if len(recent) == len(times) else recent[0]
+    return len(recent) / max(time.time() - since, 1e-3)

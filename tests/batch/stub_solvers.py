@@ -1,0 +1,87 @@
+"""Solvers of the tests' own, which cost next to nothing and go wrong on demand.
+
+Worker processes import them by the name that a sweep file gives: ``solver = "stub_solvers:…"``. What they did
+is told by lines appended to the file that the environment names.
+"""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+LOG = "UPWASH_TEST_LOG"
+
+
+def log(text):
+    if LOG in os.environ:
+        descriptor = os.open(os.environ[LOG], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+        os.write(descriptor, f"{text}\n".encode())
+        os.close(descriptor)
+
+
+def row(job, rank=0, **more):
+    """A solution that passes every check of its form; its figures mean nothing."""
+    return {
+        "cost": 10.0 + job.mass_kg + rank,
+        "rank": rank,
+        "is_v_optimum": rank == 1,
+        "is_global_optimum": rank == 0,
+        "solve_time_s": 0.001,
+    } | more
+
+
+def trivial(job):
+    return "solved", "", [row(job)]
+
+
+def two_optima(job):
+    log(job.job_id)
+    return "solved", "", [row(job, 0), row(job, 1)]
+
+
+def slow(job):
+    log(job.job_id)
+    time.sleep(0.02)
+    return "solved", "", [row(job, 0), row(job, 1)]
+
+
+def failing_when_heavy(job):
+    """Fail beyond 1.25 kg, unless a file says that the fault is mended."""
+    log(job.job_id)
+    if job.mass_kg > 1.25 and not Path(os.environ.get("UPWASH_TEST_MENDED", "/nonexistent")).exists():
+        raise ZeroDivisionError("a bird too heavy,\nover two lines")
+    return "solved", "", [row(job)]
+
+
+def infeasible(job):
+    return "infeasible", "nowhere to fly", []
+
+
+def suicidal_when_heavy(job):
+    """Kill the worker, as the system does when memory runs out."""
+    log(job.job_id)
+    if job.mass_kg > 1.25:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "solved", "", [row(job)]
+
+
+def suicidal_once(job):
+    """Kill the worker the first time that the heavy bird is met."""
+    log(job.job_id)
+    marker = Path(os.environ[LOG] + ".killed")
+    if job.mass_kg > 1.25 and not marker.exists():
+        marker.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "solved", "", [row(job)]
+
+
+def exiting(job):
+    raise SystemExit(3)
+
+
+def unknown_column(job):
+    return "solved", "", [row(job, wingspan_in_feet=4.0)]
+
+
+def wrong_type(job):
+    return "solved", "", [row(job, hits="many")]
