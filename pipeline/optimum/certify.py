@@ -65,7 +65,7 @@ LEAST_MULTIPLIERS = (0.3, 0.5)
 """Floor of the multipliers in the branching score; without it a coarse box looks flat in all but one variable."""
 
 SEARCH_WIDTH = 0.25
-SEARCH_EVERY = 400
+SEARCH_EVERY = 4000
 """A local solve is tried from the centre of an open box narrower than the width, at most once in so many boxes."""
 
 # What becomes of a box.
@@ -432,7 +432,7 @@ def branch_and_bound(
     threshold : float
         Cost to be exceeded.
     tolerance : float
-        When a better solution is found the threshold becomes its cost less this share.
+        When a better solution is found the threshold becomes its cost over 1 plus this.
     budget : int
         Most boxes to examine.
     lanes, group, representative, constants : ndarray
@@ -493,7 +493,7 @@ def branch_and_bound(
             if status == SOLVED and cost < found_cost:
                 found_cost = cost
                 found[:] = end
-                threshold = min(threshold, cost * (1.0 - tolerance))
+                threshold = min(threshold, cost / (1.0 + tolerance))
         if widest < TINY or height + 2 > DEPTH:
             left_open = min(left_open, bound)
             continue
@@ -537,7 +537,7 @@ def certify(
     incumbent : float
         Cost of the best solution known, in costs of the lone leader; infinite if none is known.
     tolerance : float
-        Share of the incumbent by which the proof may fall short of it.
+        By how much the incumbent may exceed the bound, as a share of the bound.
     budget : int
         Most boxes to examine.
     is_searching : bool
@@ -555,7 +555,7 @@ def certify(
     high = np.array([x[1], y[1], z[1] + 0.5 * h[1], z[1] - 0.5 * h[0], ratio[1], phase[1]])
     found = np.empty(6)
     # With no incumbent a box is cleared only where no balance is possible.
-    threshold = incumbent * (1.0 - tolerance) if np.isfinite(incumbent) else UNREACHABLE_COST
+    threshold = incumbent / (1.0 + tolerance) if np.isfinite(incumbent) else UNREACHABLE_COST
     lower_bound, boxes, is_closed, found_cost = branch_and_bound(
         low,
         high,

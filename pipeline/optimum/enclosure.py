@@ -1,14 +1,17 @@
 """Bounds of the wake force over a box: centred affine forms with a radius.
 
 A quantity over a box is enclosed by value + slopes·δ ± radius, δ the offset from the box's centre.  Every filament,
-tip or spanwise, induces (u(p₀, r) − u(p₁, r)) ψ(r) times a linear factor, with
+tip or spanwise, induces a strength times one or two components of a plane vortex,
 
-    u(p, r) = p / √(p² + r),        ψ(r) = 1 / max(r, r_c²),
+    (u(p₀, r) − u(p₁, r)) · a / max(r, r_c²),        u(p, r) = p / √(p² + r),        r = a² + c²,
 
-p the distances along the filament from its ends (affine in the position) and r the squared distance from its axis
-(quadratic).  u is expanded to first order with a closed bound of its second derivatives, |u_pp| ≤ 1.155/n²,
-|u_pr| ≤ 1/n³ and |u_rr| ≤ 0.75/n⁴ with n² the least p² + r in the box; ψ is enclosed by its secant between the ends of
-the range of r, which mixes the inner and the outer branch where the range holds a core edge.
+p the distances along the filament from its ends, a and c those across it, all affine in the position.
+
+- u is expanded to first order, with a closed bound of its second derivatives: |u_pp| ≤ 1.155/n², |u_pr| ≤ 1/n³ and
+  |u_rr| ≤ 0.75/n⁴, n² the least p² + r in the box.
+- Outside the core the plane vortex is the real or imaginary part of 1/ζ, whose remainder of first order is
+  δ²/(ζ²(ζ + δ)); inside it is linear.  Across an edge it is the lesser of the two in magnitude, so a convex mix of both
+  errs to one side only, and the mix with the least radius is taken.
 
 The forms hold for the two stroke states of the paper: with tips up the force depends on (x, y, z_up, R), with tips down
 on (x, y, z_down).
@@ -69,47 +72,56 @@ def _enclose_u(p, p_width, r, r_spread, r_square, per_n, per_nearest):
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
-def _enclose_psi(r, r_low, r_high, r_square, core2):
-    """Enclose ψ over a range: value, slope by r, radius."""
-    outer_low, outer_high = (r_low if r_low > core2 else core2), (r_high if r_high > core2 else core2)
-    psi_low, psi_high = 1.0 / outer_low, 1.0 / outer_high
-    share = (outer_high - outer_low) / (r_high - r_low) if r_low < core2 else 1.0
-    slope = -psi_low * psi_high * share
-    slope = 0.0 if r_high <= core2 else slope
-    # ψ − slope r: alike at both ends of the range, highest at the core edge, lowest where 1/r touches the secant.
-    ends = psi_low - slope * r_low
-    highest = psi_low - slope * outer_low
-    root = math.sqrt(-slope)
-    touches = root * outer_low < 1.0 and root * r_high > 1.0
-    lowest = 2.0 * root if touches else ends
+def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
+    """Enclose a / max(a² + c², core2): value, slopes by a and c, radius."""
+    least = NEAREST * core2
+    per_r = 1.0 / (r if r > least else least)
+    per_low = 1.0 / (r_low if r_low > least else least)
+    per_core = 1.0 / core2
+    outer_radius = (wa * wa + wc * wc) * per_r * math.sqrt(per_low)
+    a_high = abs(a) + wa
+    # By how much the outer branch exceeds the inner within the core, and the inner the outer without.
+    within, without = a_high * (per_low - per_core), a_high * (per_core - 1.0 / r_high)
+    within, without = (within if within > 0.0 else 0.0), (without if without > 0.0 else 0.0)
+    gap_share = 0.5 if abs(a) >= wa else 1.0
+    balanced = without / (within + without + 1e-300)
+    mixed_radius = balanced * (outer_radius + gap_share * within)
+    inner_only, outer_only = gap_share * without, outer_radius + gap_share * within
+    mix = balanced if mixed_radius < inner_only else 0.0
+    radius = mixed_radius if mixed_radius < inner_only else inner_only
+    mix = 1.0 if outer_only < radius else mix
+    radius = outer_only if outer_only < radius else radius
+    one_sided = mix * within if mix * within > (1.0 - mix) * without else (1.0 - mix) * without
+    shift = 0.5 * one_sided if gap_share < 1.0 else 0.0
+    shift = shift if a > 0.0 else -shift
+    inner, outer = (1.0 - mix) * per_core, mix * per_r
     return (
-        slope * (r + 0.5 * r_square) + 0.5 * (highest + lowest),
-        slope,
-        0.5 * (highest - lowest) - 0.5 * slope * r_square,
+        (inner + outer) * a - shift,
+        inner + outer * (c * c - a * a) * per_r,
+        -2.0 * outer * a * c * per_r,
+        radius,
     )
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
-def _enclose_filament(
-    p0, p1, px, py, pz, p_width, r, rx, ry, rz, r_low, r_high, r_square, per_n0, per_n1, near0, near1, core2,
-    wx, wy, wz,
+def _enclose_strength(
+    p0, p1, px, py, pz, p_width, r, rx, ry, rz, r_square, per_n0, per_n1, near0, near1, wx, wy, wz
 ):  # fmt: skip
-    """Enclose (u(p₀, r) − u(p₁, r)) ψ(r): value, three slopes, radius, half-range."""
+    """Enclose u(p₀, r) − u(p₁, r): value, three slopes, radius, half-range."""
     r_spread = abs(rx) * wx + abs(ry) * wy + abs(rz) * wz
     u0, u0_p, u0_r, u0_radius = _enclose_u(p0, p_width, r, r_spread, r_square, per_n0, near0)
     u1, u1_p, u1_r, u1_radius = _enclose_u(p1, p_width, r, r_spread, r_square, per_n1, near1)
-    u, by_p, by_r, u_radius = u0 - u1, u0_p - u1_p, u0_r - u1_r, u0_radius + u1_radius
+    by_p, by_r, radius = u0_p - u1_p, u0_r - u1_r, u0_radius + u1_radius
     ux, uy, uz = by_p * px + by_r * rx, by_p * py + by_r * ry, by_p * pz + by_r * rz
-    psi, slope, psi_radius = _enclose_psi(r, r_low, r_high, r_square, core2)
-    u_range = abs(ux) * wx + abs(uy) * wy + abs(uz) * wz + u_radius
-    psi_range = abs(slope) * r_spread + psi_radius
-    fx, fy, fz = (
-        u * slope * rx + psi * ux,
-        u * slope * ry + psi * uy,
-        u * slope * rz + psi * uz,
-    )
-    radius = abs(u) * psi_radius + abs(psi) * u_radius + u_range * psi_range
-    return u * psi, fx, fy, fz, radius, abs(fx) * wx + abs(fy) * wy + abs(fz) * wz + radius
+    return u0 - u1, ux, uy, uz, radius, abs(ux) * wx + abs(uy) * wy + abs(uz) * wz + radius
+
+
+@njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
+def _multiply(u, ux, uy, uz, u_radius, u_range, k, kx, ky, kz, k_radius, wx, wy, wz):
+    """Multiply two forms: value, three slopes, radius."""
+    k_range = abs(kx) * wx + abs(ky) * wy + abs(kz) * wz + k_radius
+    radius = abs(u) * k_radius + abs(k) * u_radius + u_range * k_range
+    return u * k, u * kx + k * ux, u * ky + k * uy, u * kz + k * uz, radius
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
@@ -151,43 +163,64 @@ def enclose_ring(
     m0l, m0r = 1.0 / math.sqrt(q0_low + yl2_low + nearest2), 1.0 / math.sqrt(q0_low + yr2_low + nearest2)
     m1l, m1r = 1.0 / math.sqrt(q1_low + yl2_low + nearest2), 1.0 / math.sqrt(q1_low + yr2_low + nearest2)
     span_square = wx * wx + wz * wz
-    f0, f0x, f0y, f0z, f0_radius, f0_range = _enclose_filament(
-        yl, yr, 0.0, 1.0, 0.0, wy, q0, 2.0 * x0, 0.0, 2.0 * z0, q0_low, q0_high, span_square,
-        i0l, i0r, m0l, m0r, core2, wx, wy, wz,
+    # Spanwise filaments: v_x goes with z, v_z with −x, of the vortex in the vertical plane.
+    s0, s0x, s0y, s0z, s0_radius, s0_range = _enclose_strength(
+        yl, yr, 0.0, 1.0, 0.0, wy, q0, 2.0 * x0, 0.0, 2.0 * z0, span_square, i0l, i0r, m0l, m0r, wx, wy, wz
     )  # fmt: skip
-    f1, f1x, f1y, f1z, f1_radius, f1_range = _enclose_filament(
-        yl, yr, 0.0, 1.0, 0.0, wy, q1, 2.0 * x1, 0.0, 2.0 * z1, q1_low, q1_high, span_square,
-        i1l, i1r, m1l, m1r, core2, wx, wy, wz,
+    s1, s1x, s1y, s1z, s1_radius, s1_range = _enclose_strength(
+        yl, yr, 0.0, 1.0, 0.0, wy, q1, 2.0 * x1, 0.0, 2.0 * z1, span_square, i1l, i1r, m1l, m1r, wx, wy, wz
     )  # fmt: skip
+    k, ka, kc, kr = _enclose_vortex(z0, x0, wz, wx, q0, q0_low, q0_high, core2)
+    a0, a0x, a0y, a0z, a0r = _multiply(
+        s0, s0x, s0y, s0z, s0_radius, s0_range, k, kc, 0.0, ka, kr, wx, wy, wz
+    )
+    k, ka, kc, kr = _enclose_vortex(x0, z0, wx, wz, q0, q0_low, q0_high, core2)
+    b0, b0x, b0y, b0z, b0r = _multiply(
+        s0, s0x, s0y, s0z, s0_radius, s0_range, k, ka, 0.0, kc, kr, wx, wy, wz
+    )
+    k, ka, kc, kr = _enclose_vortex(z1, x1, wz, wx, q1, q1_low, q1_high, core2)
+    a1, a1x, a1y, a1z, a1r = _multiply(
+        s1, s1x, s1y, s1z, s1_radius, s1_range, k, kc, 0.0, ka, kr, wx, wy, wz
+    )
+    k, ka, kc, kr = _enclose_vortex(x1, z1, wx, wz, q1, q1_low, q1_high, core2)
+    b1, b1x, b1y, b1z, b1r = _multiply(
+        s1, s1x, s1y, s1z, s1_radius, s1_range, k, ka, 0.0, kc, kr, wx, wy, wz
+    )
+    # Tip filaments: both components go with the spanwise distance.
     d, p0, p1 = az * x0 - ax * z0, ax * x0 + az * z0, ax * x1 + az * z1
     wd, wp = abs(az) * wx + abs(ax) * wz, abs(ax) * wx + abs(az) * wz
     d_low, d_high = max(abs(d) - wd, 0.0), abs(d) + wd
-    rx, rz, tip_square = 2.0 * d * az, -2.0 * d * ax, wd * wd + wy * wy
-    fl, flx, fly, flz, fl_radius, fl_range = _enclose_filament(
-        p0, p1, ax, 0.0, az, wp, d * d + yl2, rx, 2.0 * yl, rz,
-        d_low * d_low + yl2_low, d_high * d_high + yl_high * yl_high, tip_square,
-        i0l, i1l, m0l, m1l, core2, wx, wy, wz,
+    rl, rr, rx, rz, tip_square = d * d + yl2, d * d + yr2, 2.0 * d * az, -2.0 * d * ax, wd * wd + wy * wy
+    sl, slx, sly, slz, sl_radius, sl_range = _enclose_strength(
+        p0, p1, ax, 0.0, az, wp, rl, rx, 2.0 * yl, rz, tip_square, i0l, i1l, m0l, m1l, wx, wy, wz
     )  # fmt: skip
-    fr, frx, fry, frz, fr_radius, fr_range = _enclose_filament(
-        p0, p1, ax, 0.0, az, wp, d * d + yr2, rx, 2.0 * yr, rz,
-        d_low * d_low + yr2_low, d_high * d_high + yr_high * yr_high, tip_square,
-        i0r, i1r, m0r, m1r, core2, wx, wy, wz,
+    sr, srx, sry, srz, sr_radius, sr_range = _enclose_strength(
+        p0, p1, ax, 0.0, az, wp, rr, rx, 2.0 * yr, rz, tip_square, i0r, i1r, m0r, m1r, wx, wy, wz
     )  # fmt: skip
-    tip = yr * fr - yl * fl
-    tip_x, tip_z = yr * frx - yl * flx, yr * frz - yl * flz
-    tip_y = yr * fry + fr - yl * fly - fl
-    tip_radius = abs(yr) * fr_radius + abs(yl) * fl_radius + wy * (fr_range + fl_range)
+    k, ka, kc, kr = _enclose_vortex(
+        yl, d, wy, wd, rl, d_low * d_low + yl2_low, d_high * d_high + yl_high * yl_high, core2
+    )
+    tl, tlx, tly, tlz, tlr = _multiply(
+        sl, slx, sly, slz, sl_radius, sl_range, k, kc * az, ka, -kc * ax, kr, wx, wy, wz
+    )
+    k, ka, kc, kr = _enclose_vortex(
+        yr, d, wy, wd, rr, d_low * d_low + yr2_low, d_high * d_high + yr_high * yr_high, core2
+    )
+    tr, trx, try_, trz, trr = _multiply(
+        sr, srx, sry, srz, sr_radius, sr_range, k, kc * az, ka, -kc * ax, kr, wx, wy, wz
+    )
+    tip, tip_x, tip_y, tip_z, tip_radius = tr - tl, trx - tlx, try_ - tly, trz - tlz, tlr + trr
     return (
-        z0 * f0 - z1 * f1 - az * tip,
-        z0 * f0x - z1 * f1x - az * tip_x,
-        z0 * f0y - z1 * f1y - az * tip_y,
-        z0 * f0z + f0 - z1 * f1z - f1 - az * tip_z,
-        abs(z0) * f0_radius + abs(z1) * f1_radius + wz * (f0_range + f1_range) + abs(az) * tip_radius,
-        x1 * f1 - x0 * f0 + ax * tip,
-        x1 * f1x + f1 - x0 * f0x - f0 + ax * tip_x,
-        x1 * f1y - x0 * f0y + ax * tip_y,
-        x1 * f1z - x0 * f0z + ax * tip_z,
-        abs(x0) * f0_radius + abs(x1) * f1_radius + wx * (f0_range + f1_range) + abs(ax) * tip_radius,
+        a0 - a1 - az * tip,
+        a0x - a1x - az * tip_x,
+        a0y - a1y - az * tip_y,
+        a0z - a1z - az * tip_z,
+        a0r + a1r + abs(az) * tip_radius,
+        b1 - b0 + ax * tip,
+        b1x - b0x + ax * tip_x,
+        b1y - b0y + ax * tip_y,
+        b1z - b0z + ax * tip_z,
+        b0r + b1r + abs(ax) * tip_radius,
     )
 
 

@@ -128,6 +128,12 @@ class PairProblem:
         """Wavelength, in semispans."""
         return self.bird.wavelength_m / self.bird.semispan_m
 
+    def phase(self, coordinate: float) -> float:
+        """Phase κ in [0, 1) at a phase coordinate; with two stroke states the lesser of the two equal ones."""
+        if self.model.stroke_states == 2 and self.piece == 1:
+            return 0.5 - coordinate
+        return (self.piece / self.model.stroke_states + coordinate) % 1.0
+
     def _lanes(self) -> NDArray[np.float64]:
         bird, states = self.bird, self.model.stroke_states
         wake = vortex_wake(

@@ -1,0 +1,170 @@
+"""What speaks for a point being a local optimum: active bounds and core edges, multipliers, stationarity, curvature.
+
+At a core edge the gradient jumps, and a point pinned there is stationary if zero lies between the gradients of the two
+sides (in the generalised gradient): the multiplier of the edge, told from inside, must lie between 0 and minus the
+edge's pull.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.aero.lanes import HEIGHT, NODE
+from pipeline.aero.wake import vortex_wake
+from pipeline.optimum.edges import FILAMENTS, edge_distance, edge_pull
+from pipeline.optimum.local import SCALE, lagrangian_hessian
+from pipeline.optimum.problem import CORE2, VARIABLES, PairProblem, evaluate
+
+ON_EDGE = 1e-7
+"""Largest distance from a core edge, as s = r²/r_c² − 1, of a point that lies on it."""
+
+ON_BOUND = 1e-9
+"""Largest distance from a bound, in units of the variable's scale, of a point that lies on it."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What holds at a point.
+
+    Attributes
+    ----------
+    active_bounds : tuple of str
+        Variables at a bound, as ``h_upper``.
+    core_edges : tuple of int
+        Numbers of the core edges that the point lies on.
+    multiplier_lift, multiplier_thrust : float
+        Multipliers of the two balances, cost and residuals as in the scaled problem.
+    stationarity : float
+        What is left of the generalised gradient of the Lagrangian, per unit of `SCALE`; 0 at a local optimum.
+    curvature : float
+        Least curvature of the Lagrangian along the directions that all active constraints leave free, per unit of
+        `SCALE` squared; infinite if none is left.
+    """
+
+    active_bounds: tuple[str, ...]
+    core_edges: tuple[int, ...]
+    multiplier_lift: float
+    multiplier_thrust: float
+    stationarity: float
+    curvature: float
+
+
+def gather_evidence(
+    problem: PairProblem,
+    group: NDArray[np.int64],
+    representative: NDArray[np.int64],
+    point: NDArray[np.float64],
+) -> Evidence:
+    """Examine a balanced point, trusting nothing of the solve that found it.
+
+    Parameters
+    ----------
+    problem : PairProblem
+        The problem.
+    group, representative : ndarray of int
+        Its core edges, see `pipeline.optimum.edges.distinct_edges`.
+    point : (6,) ndarray of float
+        The point, in scaled variables.
+
+    Returns
+    -------
+    Evidence
+        What was found.
+    """
+    core2, lanes = problem.constants[CORE2], problem.lanes
+    distances, normals = np.empty(len(representative)), np.empty((len(representative), 6))
+    for edge, (lane, filament) in enumerate(representative):
+        distances[edge] = edge_distance(point, lanes, core2, lane, filament, normals[edge])
+    on_edge = np.flatnonzero(np.abs(distances) < ON_EDGE)
+    edges = np.full((4, lanes.shape[1]), core2)
+    edges[np.isin(group, on_edge)] = np.inf
+    residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
+    evaluate(point, lanes, edges, problem.constants, residual, gradient, jacobian)
+
+    at_lower = point - problem.bounds[:, 0] <= ON_BOUND * SCALE
+    at_upper = problem.bounds[:, 1] - point <= ON_BOUND * SCALE
+    bound_rows = np.concatenate([-np.eye(6)[at_lower], np.eye(6)[at_upper]])
+    normals = normals[on_edge]
+    # Gradient + jacobianᵀ ν + normalsᵀ λ + boundᵀ ω = 0 in units of SCALE; ω must not be negative.
+    columns = np.concatenate([jacobian, normals, bound_rows]).T * SCALE[:, None]
+    solution, *_ = np.linalg.lstsq(columns, -gradient * SCALE, rcond=1e-12)
+    left = np.max(np.abs(gradient * SCALE + columns @ solution))
+    multipliers = solution[:2]
+    edge_multipliers = solution[2 : 2 + len(on_edge)]
+    violation = max(0.0, *(-solution[2 + len(on_edge) :]), 0.0)
+    for multiplier, edge, normal in zip(edge_multipliers, on_edge, normals, strict=True):
+        pull = edge_pull(point, lanes, core2, group, edge, multipliers)
+        size = float(np.max(np.abs(normal * SCALE)))
+        violation = max(violation, -multiplier * size, (multiplier + pull) * size)
+
+    all_multipliers = np.zeros(len(representative))
+    all_multipliers[on_edge] = edge_multipliers
+    hessian = np.empty((6, 6))
+    lagrangian_hessian(
+        point,
+        lanes,
+        edges,
+        problem.constants,
+        multipliers,
+        representative,
+        all_multipliers,
+        np.empty((8, 6)),
+        hessian,
+    )
+    _, singular, rows = np.linalg.svd(columns.T)
+    free = rows[np.sum(singular > 1e-9 * max(1.0, singular[0])) :]
+    curvature = np.inf
+    if len(free):
+        scaled = hessian * np.outer(SCALE, SCALE)
+        curvature = float(np.min(np.linalg.eigvalsh(free @ scaled @ free.T)))
+    names = [f"{name}_lower" for name, active in zip(VARIABLES, at_lower, strict=True) if active]
+    names += [f"{name}_upper" for name, active in zip(VARIABLES, at_upper, strict=True) if active]
+    return Evidence(
+        active_bounds=tuple(names),
+        core_edges=tuple(int(edge) for edge in on_edge),
+        multiplier_lift=float(multipliers[0]),
+        multiplier_thrust=float(multipliers[1]),
+        stationarity=float(max(left, violation)),
+        curvature=curvature,
+    )
+
+
+def describe_edge(problem: PairProblem, lane: int, filament: int) -> str:
+    """Name a core edge: which wingtip of the follower rides which filament of the leader's wake.
+
+    Parameters
+    ----------
+    problem : PairProblem
+        The problem.
+    lane, filament : int
+        A lane and a filament of the edge.
+
+    Returns
+    -------
+    str
+        For instance ``left wingtip down on left tip of downstroke ring (leader up)``.
+    """
+    bird = problem.bird
+    wake = vortex_wake(
+        problem.leader_height,
+        problem.leader_upstroke_span_ratio,
+        1.0,
+        problem.wavelength,
+        1.0,
+        bird.circulation_ratio,
+        problem.model.stroke_states,
+    )
+    ring = lane % len(wake.circulation)
+    height, node = problem.lanes[HEIGHT, lane], problem.lanes[NODE, lane]
+    # Both wingtips are as far from a spanwise filament.
+    tip = "wingtips" if filament < 2 else ("left wingtip" if node < 0 else "right wingtip")
+    if filament >= 2 and abs(node) < 1.0:
+        tip = f"span node {node:+.3g}"
+    stroke = "upstroke" if wake.is_upstroke[ring] else "downstroke"
+    states = {0.5: "up", -0.5: "down"}
+    follower = states.get(float(height), f"at {height:+.3g} h")
+    leader = ("up", "down")[wake.state[ring]] if problem.model.stroke_states == 2 else str(wake.state[ring])
+    return f"{tip} {follower} on {FILAMENTS[filament]} of {stroke} ring (leader {leader})"
