@@ -28,6 +28,10 @@ class Agreement:
     absolute: float = 0.0
     compared: bool = True
 
+    def holds(self, a: float, b: float) -> bool:
+        """Whether two numbers agree."""
+        return abs(a - b) <= self.absolute + self.relative * max(abs(a), abs(b))
+
 
 # Runs on one machine agree to the last digit. These leave room for other compilers and processors.
 EXACT = Agreement()
@@ -145,6 +149,7 @@ SOLUTION = (
     Column("active_bounds", "", "bounds that the optimum lies on, comma separated", TEXT, EXACT),
     Column("core_edges", "", "vortex core edges that the optimum lies on, comma separated", TEXT, EXACT),
     Column("stationarity", "1", "size of the gradient that is left, scaled", agreement=MEASURED),
+    Column("curvature", "1", "least curvature of the cost along the balances, scaled", agreement=MEASURED),
     Column("multiplier_lift", "1", "multiplier of the lift balance, scaled", agreement=MULTIPLIER),
     Column("multiplier_thrust", "1", "multiplier of the thrust balance, scaled", agreement=MULTIPLIER),
     Column("solve_time_s", "s", "wall time of the job's solution", agreement=MEASURED),
@@ -152,9 +157,16 @@ SOLUTION = (
 
 # The proof: the same in every row of a job.
 CERTIFICATE = (
-    Column("v_lower_bound", "N, W or J/m", "no V formation costs less", agreement=BOUND),
+    Column(
+        "v_lower_bound", "N, W or J/m", "no V formation costs less; absent if none can fly", agreement=BOUND
+    ),
     Column("v_certified_gap", "1", "V optimum's cost over that bound, less 1", agreement=BOUND),
-    Column("global_lower_bound", "N, W or J/m", "no position costs less", agreement=BOUND),
+    Column(
+        "global_lower_bound",
+        "N, W or J/m",
+        "no position costs less; absent if none can be flown",
+        agreement=BOUND,
+    ),
     Column("global_certified_gap", "1", "global optimum's cost over that bound, less 1", agreement=BOUND),
     Column("certificate_boxes", "1", "boxes that the proof looked at", INTEGER, MEASURED),
     Column(

@@ -39,9 +39,9 @@ class Evidence:
         Multipliers of the two balances, cost and residuals as in the scaled problem.
     stationarity : float
         What is left of the generalised gradient of the Lagrangian, per unit of `SCALE`; 0 at a local optimum.
-    curvature : float
+    curvature : float or None
         Least curvature of the Lagrangian along the directions that all active constraints leave free, per unit of
-        `SCALE` squared; infinite if none is left.
+        `SCALE` squared; None if none is left.
     """
 
     active_bounds: tuple[str, ...]
@@ -49,7 +49,7 @@ class Evidence:
     multiplier_lift: float
     multiplier_thrust: float
     stationarity: float
-    curvature: float
+    curvature: float | None
 
 
 def gather_evidence(
@@ -116,7 +116,7 @@ def gather_evidence(
     )
     _, singular, rows = np.linalg.svd(columns.T)
     free = rows[np.sum(singular > 1e-9 * max(1.0, singular[0])) :]
-    curvature = np.inf
+    curvature = None
     if len(free):
         scaled = hessian * np.outer(SCALE, SCALE)
         curvature = float(np.min(np.linalg.eigvalsh(free @ scaled @ free.T)))

@@ -147,7 +147,8 @@ def solve_pair(
 
 
 def _is_optimum(evidence: Evidence) -> bool:
-    return evidence.stationarity < STATIONARY and evidence.curvature > LEAST_CURVATURE
+    is_convex = evidence.curvature is None or evidence.curvature > LEAST_CURVATURE
+    return evidence.stationarity < STATIONARY and is_convex
 
 
 def _prove(

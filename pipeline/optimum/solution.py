@@ -75,7 +75,7 @@ class Optimum:
     active_bounds: str
     core_edges: str
     stationarity: float
-    curvature: float
+    curvature: float | None
     multiplier_lift: float
     multiplier_thrust: float
 
