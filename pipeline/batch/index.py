@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline.batch import columns as of
-from pipeline.batch.folder import RETIRED, Entry, ResultsFolder
+from pipeline.batch.folder import RETIRED, ResultsFolder
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -43,19 +43,35 @@ class Index:
 
 
 def read_index(folder: ResultsFolder) -> Index:
-    """Return what a results folder holds, trusting the journals; files found torn are passed over.
-
-    Only the files that no journal tells of are opened: those that came from elsewhere.
-    """
-    index = Index()
+    """Return what a results folder holds, trusting the journals; files found damaged are passed over."""
+    index = Index(single=read_singles(folder))
     for path in gathered_files(folder):
         index.gathered |= known_in(path, folder.kind())
-    written = folder.read_journals().entries
-    for job_id in folder.job_ids():
-        known = known_by(written[job_id][-1]) if job_id in written else read_known(folder, job_id)
-        if known:
-            index.single[job_id] = known
     return index
+
+
+def read_singles(folder: ResultsFolder, verify: bool = False) -> dict[str, Known]:
+    """Return what is known of the jobs that have a file of their own.
+
+    Parameters
+    ----------
+    folder : ResultsFolder
+        The folder.
+    verify : bool
+        Whether to compare each file with the checksum in the journal. Those that no journal tells of, since
+        they came from elsewhere, are read in any case. What is damaged is left out.
+    """
+    written = folder.read_journals().entries
+    singles = {}
+    for job_id in folder.job_ids():
+        if job_id not in written:
+            known = read_known(folder, job_id)
+        else:
+            entry = folder.entry_of_file(job_id, written[job_id]) if verify else written[job_id][-1]
+            known = Known(entry.status, entry.cause) if entry else None
+        if known:
+            singles[job_id] = known
+    return singles
 
 
 def gathered_files(folder: ResultsFolder) -> list[Path]:
@@ -64,11 +80,6 @@ def gathered_files(folder: ResultsFolder) -> list[Path]:
 
     paths = [folder.path / RETIRED, folder.path / GATHERED[folder.kind()]]
     return [path for path in paths if path.exists()]
-
-
-def known_by(entry: Entry) -> Known:
-    """Return what a journal's entry says of a job."""
-    return Known(entry.status, entry.cause)
 
 
 def known_of(table: pa.Table) -> dict[str, Known]:

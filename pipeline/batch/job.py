@@ -5,6 +5,7 @@ The only module of the batch layer that meets the physics and the inputs.
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 import time
@@ -58,7 +59,12 @@ def run_job(job: Job) -> list[Row]:
         rows = [{"status": status, "error": error or None} | row for row in rows or [{}]]
     except (Exception, SystemExit) as error:
         rows = [{"status": of.FAILED, "error": describe(error)}]
-    return [inputs_of(job) | row for row in rows]
+    return [inputs_of(job) | {name: _finite(value) for name, value in row.items()} for row in rows]
+
+
+def _finite(value: Any) -> Any:
+    """Return a value, or None for a number that is not finite; an infinite bound says: nothing there."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def inputs_of(job: Job) -> Row:
@@ -148,8 +154,11 @@ def _solve_pair(job: Job) -> tuple[str, str, list[Row]]:
     if isinstance(bird, str):
         return of.INFEASIBLE, bird, []
     solution = solve_pair(bird, job.objective, model=_model(job), seed=job.seed, tolerance=job.tolerance)
-    error = "" if solution.status == of.SOLVED else "no position balances lift and thrust within the bounds"
-    return solution.status, error, solution.rows()
+    if solution.status == of.SOLVED:
+        return of.SOLVED, "", solution.rows()
+    proof = {column.name: getattr(solution.proof, column.name) for column in of.CERTIFICATE}
+    error = "no balance: no position within the bounds balances lift and thrust"
+    return solution.status, error, [proof | {"solve_time_s": solution.solve_time_s}]
 
 
 def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:
@@ -215,3 +224,103 @@ def _die_with(parent: int) -> None:
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()
+
+
+# What a stored row must be, from its inputs and its solution alone: by the plain statement of the physics,
+# not by the compiled one that the search used.
+
+
+def recompute(rows: Sequence[Row]) -> list[Row]:
+    """Return what the forces, powers, savings, costs and labels of one job's solved rows must be.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        All rows of a pair, or of a flock.
+
+    Returns
+    -------
+    list of dict
+        For each row, column -> value; nothing for a row that has no solution.
+    """
+    job = job_of(rows[0])
+    bird = _bird(job)
+    return [_expected(bird, job, row, rows) if row["status"] == of.SOLVED else {} for row in rows]
+
+
+def bounds_of(row: Row, first: Row) -> dict[str, tuple[float, float]]:
+    """Return the bounds of a solved row's variables; `first` is the job's first row."""
+    from pipeline.optimum import problem
+
+    streamwise = problem.STREAMWISE_REACH * row["speed_m_s"] * row["period_s"]
+    spanwise = problem.SPANWISE_REACH * row["semispan_m"]
+    limit = (first if row.get("reading") == "lone" else row)["leader_amplitude_m"]
+    return {
+        "x_m": (0.0, streamwise),
+        # A flock's birds may fly on either side of the one ahead.
+        "y_m": (-spanwise if row["kind"] == "flock" else 0.0, spanwise),
+        "z_m": (-row["leader_amplitude_m"], row["leader_amplitude_m"]),
+        "amplitude_m": (problem.LEAST_AMPLITUDE * limit, limit),
+        "upstroke_span_ratio": problem.SPAN_RATIO_BOUNDS,
+        "phase": (0.0, 1.0),
+    }
+
+
+def _expected(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> Row:
+    from pipeline.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+    from pipeline.optimum.problem import ASTERN, LEVEL, OUTBOARD
+
+    lift = bird.lift_n(row["upstroke_span_ratio"])
+    thrust = bird.thrust_n(row["amplitude_m"], row["upstroke_span_ratio"])
+    wake_lift, wake_thrust = _wake_force(bird, job, row, rows)
+    powers = induced_power_w(bird, lift), profile_power_w(bird, thrust), parasite_power_w(bird)
+    alone = induced_power_w(bird, bird.weight_n), profile_power_w(bird, bird.drag_n), parasite_power_w(bird)
+    cost = COST_FUNCTIONS[job.objective]
+    expected: Row = {
+        "weight_n": bird.weight_n,
+        "drag_n": bird.drag_n,
+        "lift_self_n": lift,
+        "thrust_self_n": thrust,
+        "lift_wake_n": wake_lift,
+        "thrust_wake_n": wake_thrust,
+        "residual_lift": (lift + wake_lift) / bird.weight_n - 1.0,
+        "residual_thrust": (thrust + wake_thrust) / bird.drag_n - 1.0,
+        "power_total_w": sum(powers),
+        "leader_power_total_w": sum(alone),
+        "saving_induced": 1.0 - powers[0] / alone[0],
+        "saving_profile": 1.0 - powers[1] / alone[1],
+        "saving_total": 1.0 - sum(powers) / sum(alone),
+        "cost": cost.value(bird, lift, thrust),
+        "cost_leader": cost.value(bird, bird.weight_n, bird.drag_n),
+        "placement": "outboard" if abs(row["y_m"]) >= OUTBOARD * job.semispan_m else "inboard",
+        "tier": "level" if abs(row["z_m"]) <= LEVEL * bird.amplitude_m else "stacked",
+        "station": "astern" if row["x_m"] >= ASTERN * job.semispan_m else "abreast",
+    }
+    for part, own, leaders in zip(("induced", "profile", "parasite"), powers, alone, strict=True):
+        expected |= {f"power_{part}_w": own, f"leader_power_{part}_w": leaders}
+    return expected
+
+
+def _wake_force(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> tuple[float, float]:
+    """Return the lift and thrust that a row's bird has from the wakes that it feels."""
+    from pipeline.aero.interaction import wake_force
+
+    own = row["amplitude_m"], row["upstroke_span_ratio"]
+    if job.kind == "pair" or job.wake == "neighbour":
+        place = row["x_m"], row["y_m"], row["z_m"]
+        ahead = row["leader_amplitude_m"], row["leader_upstroke_span_ratio"]
+        return wake_force(bird, *ahead, place, *own, row["phase"], _model(job))
+    forces = [
+        wake_force(
+            bird,
+            other["amplitude_m"],
+            other["upstroke_span_ratio"],
+            [row[f"{axis}_flock_m"] - other[f"{axis}_flock_m"] for axis in "xyz"],
+            *own,
+            row["phase_flock"] - other["phase_flock"],
+            _model(job),
+        )
+        for other in rows
+        if other["bird"] < row["bird"]
+    ]
+    return sum(lift for lift, _ in forces), sum(thrust for _, thrust in forces)

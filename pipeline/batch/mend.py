@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from pipeline.batch.folder import ResultsFolder
-from pipeline.batch.index import Index, Known, gathered_files, known_by, known_of, read_known
+from pipeline.batch.index import Index, Known, gathered_files, known_of, read_singles
 from pipeline.batch.store import (
     ROWS,
     Damaged,
@@ -46,18 +46,10 @@ def verified_index(folder: ResultsFolder, tell: Tell) -> Index:
     index = Index()
     for path in gathered_files(folder):
         index.gathered |= _verified_table(folder, path, kind, tell)
-    written = folder.read_journals().entries
-    for job_id in sorted(folder.job_ids()):
-        if job_id in written:
-            entry = folder.entry_of_file(job_id, written[job_id])
-            known = known_by(entry) if entry else None
-        else:
-            known = read_known(folder, job_id)
-        if known:
-            index.single[job_id] = known
-        else:
-            path = folder.job_file(job_id)
-            tell(f"{path}: damaged; set aside as {folder.set_aside(path)}, its job will be done again")
+    index.single = read_singles(folder, verify=True)
+    for job_id in sorted(folder.job_ids() - index.single.keys()):
+        path = folder.job_file(job_id)
+        tell(f"{path}: damaged; set aside as {folder.set_aside(path)}, its job will be done again")
     return index
 
 

@@ -25,6 +25,7 @@ from pipeline.batch.index import Index, Known, read_index
 from pipeline.batch.job import Result, encode, failed_rows, run_batch
 from pipeline.batch.mend import verified_index
 from pipeline.batch.progress import Progress
+from pipeline.batch.selection import in_shard, is_to_run
 from pipeline.batch.store import write_atomic
 from pipeline.batch.workers import LOKY, workers
 
@@ -80,16 +81,6 @@ class Tally:
     def left(self) -> int:
         """Jobs that have no result yet."""
         return self.jobs - self.kept - self.done
-
-
-def in_shard(job_id: str, shard: Shard) -> bool:
-    """Whether a job belongs to a shard: by its id, so whatever else is in the sweep."""
-    return int(job_id, 16) % shard.count == shard.number - 1
-
-
-def is_to_run(known: Known | None, retry_failed: bool) -> bool:
-    """Whether a job is to be run, given what is known of it."""
-    return known is None or (retry_failed and known.status == of.FAILED)
 
 
 def run_sweep(

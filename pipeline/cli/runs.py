@@ -10,6 +10,13 @@ from typing import Any
 import click
 
 FAILED_EXIT = 1
+FINDINGS_SHOWN = 20
+
+# What tells a job's optima, or a flock's birds, from one another.
+OF_AN_OPTIMUM = tuple(
+    "bird leader rank is_v_optimum x_m y_m z_m amplitude_m upstroke_span_ratio phase cost saving_total "
+    "residual_lift residual_thrust placement tier station".split()
+)
 
 as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 results = click.argument("results", metavar="RESULTS")
@@ -172,3 +179,144 @@ def aggregate(results: str, as_json: bool) -> None:
         missing = f", {gathered.missing} without a result yet" if gathered.missing else ""
         retired = f", {gathered.retired} that the sweep does not name set apart" if gathered.retired else ""
         _say(f"{results}: gathered {gathered.jobs} jobs{missing}{retired}")
+
+
+@click.command()
+@results
+@as_json
+def check(results: str, as_json: bool) -> None:
+    r"""Check that a results folder holds what it must.
+
+    Schema, units, versions, one result a job, balances, bounds, ranks and labels; forces, powers and costs
+    computed anew from each stored solution; the summary against its rows. Exit code 3 if anything does not
+    hold.
+
+    \b
+    Example:
+      upwash check results/reproduce
+    """
+    from pipeline.batch.check import check as look_at
+    from pipeline.batch.folder import ResultsFolder
+    from pipeline.errors import CheckFailed
+
+    jobs, findings = look_at(ResultsFolder(results))
+    if as_json:
+        _print_json({"results": results, "jobs": jobs, "findings": [asdict(one) for one in findings]})
+    for finding in findings[1:FINDINGS_SHOWN]:
+        _say(str(finding))
+    if findings:
+        more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
+        raise CheckFailed(f"{results}: {findings[0]}{more}")
+    _say(f"{results}: {jobs} jobs, all in order")
+
+
+@click.command()
+@results
+@click.argument("job")
+@as_json
+def show(results: str, job: str, as_json: bool) -> None:
+    r"""Show one job: its inputs, and each of its optima.
+
+    JOB is its id, or the beginning of it.
+
+    \b
+    Example:
+      upwash show results/reproduce 8bda
+    """
+    from pipeline.batch.compare import COLUMNS
+    from pipeline.batch.folder import ResultsFolder
+    from pipeline.batch.lookup import rows_of
+
+    rows = rows_of(ResultsFolder(results), job)
+    if as_json:
+        _print_json(rows)
+        return
+    table = [name for name in OF_AN_OPTIMUM if name in rows[0]]
+    for name, value in rows[0].items():
+        if name not in table and value is not None and all(row[name] == value for row in rows):
+            unit = COLUMNS[name].unit if COLUMNS[name].unit != "1" else ""
+            click.echo(f"{name:28}{_cell(value)} {unit}".rstrip())
+    shown = [name for name in table if any(row[name] is not None for row in rows)]
+    lines = [shown, *([_cell(row[name]) for name in shown] for row in rows)] if shown else []
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for line in lines:
+        click.echo("  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)))
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return "-" if value is None else str(value)
+
+
+@click.command()
+@results
+@click.argument("job")
+@as_json
+def rerun(results: str, job: str, as_json: bool) -> None:
+    r"""Solve one stored job again, from its own inputs alone, and compare.
+
+    JOB is its id, or the beginning of it. Nothing is written. Exit code 3 if the results do not agree.
+
+    \b
+    Example:
+      upwash rerun results/reproduce 8bda
+    """
+    from pipeline.batch.compare import compare
+    from pipeline.batch.folder import ResultsFolder
+    from pipeline.batch.job import job_of, run_job
+    from pipeline.batch.lookup import rows_of
+    from pipeline.batch.store import ROWS, table_of
+
+    stored = rows_of(ResultsFolder(results), job)
+    again = job_of(stored[0])
+    schema = ROWS[again.kind]
+    rows = [{name: row[name] for name in schema.names} for row in stored]
+    comparison = compare(table_of(rows, schema), table_of(run_job(again), schema))
+    _report([comparison], f"{results}, job {again.job_id}", ("stored", "now"), as_json)
+
+
+@click.command()
+@click.argument("first", metavar="A")
+@click.argument("second", metavar="B")
+@as_json
+def diff(first: str, second: str, as_json: bool) -> None:
+    r"""Compare two results folders, job by job.
+
+    Jobs are the same if their physical inputs are, whatever their ids. Each column has its own tolerance.
+    Exit code 3 if the folders do not agree.
+
+    \b
+    Example:
+      upwash diff results/reproduce results/reference
+    """
+    from pipeline.batch.compare import compare_folders
+    from pipeline.batch.folder import ResultsFolder
+
+    comparisons = compare_folders(ResultsFolder(first), ResultsFolder(second))
+    _report(comparisons, f"{first} and {second}", (first, second), as_json)
+
+
+def _report(comparisons: Any, what: str, names: tuple[str, str], as_json: bool) -> None:
+    """Print what came of a comparison, and fail if that is not agreement."""
+    from pipeline.errors import CheckFailed
+
+    if as_json:
+        _print_json([asdict(one) for one in comparisons])
+    else:
+        for one in comparisons:
+            for name, jobs in zip(names, (one.only_first, one.only_second), strict=True):
+                if jobs:
+                    shown = ", ".join(jobs[:3]) + (", ..." if len(jobs) > 3 else "")
+                    click.echo(f"only in {name}: {len(jobs)} jobs ({shown})")
+            for found in one.differences:
+                values = f"{_cell(found.first)} and {_cell(found.second)}"
+                rows = f"{found.rows} of {one.rows} rows"
+                click.echo(
+                    f"{found.column}: {rows}, most in job {found.job_id}: {values} (allowed {found.allowed})"
+                )
+    if not all(one.agrees for one in comparisons):
+        raise CheckFailed(f"{what}: expected agreement, found differences in rows or columns, listed above")
+    _say(f"{what} agree in {comparisons[0].rows} rows")
