@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from pipeline.aero.induction import ring_velocity_gradient
 from pipeline.aero.interaction import phase_piece, span_nodes, state_circulation_ratio, wake_force
 from pipeline.aero.lanes import (
+    ALONG_X,
+    ALONG_Z,
     AMPLITUDE,
     CENTRE_Y,
     FIRST_X,
@@ -15,9 +18,11 @@ from pipeline.aero.lanes import (
     LAST_Z,
     NODE,
     PHASE,
+    SLIDING,
     SPAN_FIXED,
     SPAN_FLEXED,
     SPAN_RATIO,
+    STEADY,
     X,
     Y,
     Z,
@@ -150,6 +155,40 @@ def test_raised_tips_depend_on_their_height_and_span_and_lowered_ones_on_their_h
             force_and_jacobian(there, raised, core2)[0], rel=1e-11, abs=1e-12
         )
         assert (force_and_jacobian(here, lowered, core2)[1][:, SPAN_RATIO] == 0.0).all()
+
+
+def test_only_the_place_relative_to_the_wake_counts(ibis):
+    lanes, core2 = lanes_of(ibis, 2, 2, 1)
+    moved = lanes.copy()
+    moved[CENTRE_Y] += 0.7
+    for point in followers(2, 10):
+        here, there = (
+            force_and_jacobian(point, lanes, core2),
+            force_and_jacobian(point + 0.7 * np.eye(6)[Y], moved, core2),
+        )
+        assert there[0] == pytest.approx(here[0], rel=1e-11, abs=1e-12)
+        assert there[1] == pytest.approx(here[1], rel=1e-10, abs=1e-11)
+
+
+@pytest.mark.parametrize("which", [0, 1, 2, 3])
+def test_a_branch_is_continued_for_the_filament_that_is_named(ibis, which):
+    # In the order starting, stopping, left, right; the point is within no core, one filament is taken so.
+    lanes, core2 = lanes_of(ibis, 2, 2, 1)
+    lane = np.ascontiguousarray(lanes[:, :1])
+    edges = np.full((4, 1), core2)
+    edges[which] = np.inf
+    point = np.array([1.1, 0.9, 0.1, 1.2, 0.35, 0.2])
+    span = lane[SPAN_FIXED, 0] + lane[SPAN_FLEXED, 0] * point[SPAN_RATIO]
+    place = (
+        point[X],
+        point[Y] + lane[NODE, 0] * span - lane[CENTRE_Y, 0],
+        point[Z] + lane[HEIGHT, 0] * point[AMPLITUDE],
+    )
+    ring = lane[[FIRST_X, LAST_X, FIRST_Z, LAST_Z, HALF_WIDTH, ALONG_X, ALONG_Z], 0]
+    found = ring_velocity_gradient(*place, *ring, core2, *edges[:, 0])
+    weight = span * (lane[STEADY, 0] + lane[SLIDING, 0] * point[PHASE])
+    expected = weight * np.array([found[0], found[2]])
+    assert force_and_jacobian(point, lane, core2, edges)[0] == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_branch_continued_past_the_core_edge_is_smooth_there(ibis):
