@@ -53,12 +53,17 @@ class Result:
 
 
 def run_job(job: Job) -> list[Row]:
-    """Solve a job and return its rows: one an optimum, or one a bird of a flock; at least one in any case."""
+    """Solve a job and return its rows, as `solve` does; what goes wrong is a row too."""
     try:
-        status, error, rows = solver_of(job)(job)
-        rows = [{"status": status, "error": error or None} | row for row in rows or [{}]]
+        return solve(job)
     except (Exception, SystemExit) as error:
-        rows = [{"status": of.FAILED, "error": describe(error)}]
+        return failed_rows(job, describe(error))
+
+
+def solve(job: Job) -> list[Row]:
+    """Solve a job and return its rows: one an optimum, or one a bird of a flock; at least one in any case."""
+    status, error, rows = solver_of(job)(job)
+    rows = [{"status": status, "error": error or None} | row for row in rows or [{}]]
     return [inputs_of(job) | {name: _finite(value) for name, value in row.items()} for row in rows]
 
 
