@@ -124,8 +124,14 @@ class ResultsFolder:
 
     def require(self) -> None:
         """Complain if there are no results here."""
-        if not self.path.is_dir():
-            found = "something else" if self.path.exists() else "no such folder"
+        try:
+            is_folder, found = (
+                self.path.is_dir(),
+                "something else" if self.path.exists() else "no such folder",
+            )
+        except OSError as error:
+            is_folder, found = False, str(error.strerror)
+        if not is_folder:
             remedy = "'upwash run SWEEP' makes one"
             raise UpwashError(f"{str(self.path)!r}: expected a results folder, found {found}; {remedy}")
         names = (PLAN, SUMMARY, "solutions.parquet", "flock.parquet")

@@ -13,10 +13,10 @@ FAILED_EXIT = 1
 FINDINGS_SHOWN = 20
 
 # What tells a job's optima, or a flock's birds, from one another.
-OF_AN_OPTIMUM = tuple(
-    "bird leader rank is_v_optimum x_m y_m z_m amplitude_m upstroke_span_ratio phase cost saving_total "
-    "residual_lift residual_thrust placement tier station".split()
-)
+OF_AN_OPTIMUM: tuple[str, ...]
+OF_AN_OPTIMUM = ("bird", "leader", "rank", "is_v_optimum", "x_m", "y_m", "z_m", "amplitude_m", "phase")
+OF_AN_OPTIMUM += ("upstroke_span_ratio", "cost", "saving_total", "residual_lift", "residual_thrust")
+OF_AN_OPTIMUM += ("placement", "tier", "station")
 
 as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 results = click.argument("results", metavar="RESULTS")

@@ -41,6 +41,7 @@ def key_lines(text: str) -> dict[Path, int]:
                     table += (counts[table],)
             table += (last,)
             if is_array:
+                lines.setdefault(table, line)
                 counts[table] = counts.get(table, -1) + 1
                 table += (counts[table],)
             lines[table] = line

@@ -19,6 +19,10 @@ def log(text):
         os.close(descriptor)
 
 
+def is_mended():
+    return Path(os.environ.get("UPWASH_TEST_MENDED", "/nonexistent")).exists()
+
+
 def row(job, rank=0, **more):
     """A solution that passes every check of its form; its figures mean nothing."""
     return {
@@ -45,10 +49,20 @@ def slow(job):
     return "solved", "", [row(job, 0), row(job, 1)]
 
 
+def waiting_when_heavy(job):
+    """Wait, beyond 1.25 kg, until the test lets go; a minute at most."""
+    log(job.job_id)
+    for _ in range(6000):
+        if job.mass_kg <= 1.25 or is_mended():
+            break
+        time.sleep(0.01)
+    return "solved", "", [row(job, 0), row(job, 1)]
+
+
 def failing_when_heavy(job):
     """Fail beyond 1.25 kg, unless a file says that the fault is mended."""
     log(job.job_id)
-    if job.mass_kg > 1.25 and not Path(os.environ.get("UPWASH_TEST_MENDED", "/nonexistent")).exists():
+    if job.mass_kg > 1.25 and not is_mended():
         raise ZeroDivisionError("a bird too heavy,\nover two lines")
     return "solved", "", [row(job)]
 
