@@ -1,16 +1,22 @@
-"""What speaks for a point being a local optimum: active bounds and core edges, multipliers, stationarity, curvature.
+"""What speaks for a point being a local optimum: bounds, core edges, multipliers, stationarity, curvature.
 
-At a core edge the gradient jumps, and a point pinned there is stationary if zero lies between the gradients of the two
-sides (in the generalised gradient): the multiplier of the edge, told from inside, must lie between 0 and minus the
-edge's pull.
+At a core edge the gradient jumps, and a point pinned there is stationary if zero lies between the gradients of
+the two sides (in the generalised gradient): the multiplier of the edge, told from inside, must lie between 0
+and minus the edge's pull.
+
+Where more surfaces meet than there are variables, as when a follower flaps just as far as the bird ahead and two
+core edges cross on that bound, multipliers are not unique and an edge may even be a ridge that the bound keeps
+shut.  There the point is stationary if it is so within each of the smooth pieces that meet in it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 
 from pipeline.aero.lanes import HEIGHT, NODE
 from pipeline.aero.wake import vortex_wake
@@ -40,8 +46,8 @@ class Evidence:
     stationarity : float
         What is left of the generalised gradient of the Lagrangian, per unit of `SCALE`; 0 at a local optimum.
     curvature : float or None
-        Least curvature of the Lagrangian along the directions that all active constraints leave free, per unit of
-        `SCALE` squared; None if none is left.
+        Least curvature of the Lagrangian along the directions that all active constraints leave free, per unit
+        of `SCALE` squared; None if none is left.
     """
 
     active_bounds: tuple[str, ...]
@@ -90,15 +96,18 @@ def gather_evidence(
     normals = normals[on_edge]
     # Gradient + jacobianᵀ ν + normalsᵀ λ + boundᵀ ω = 0 in units of SCALE; ω must not be negative.
     columns = np.concatenate([jacobian, normals, bound_rows]).T * SCALE[:, None]
-    solution, *_ = np.linalg.lstsq(columns, -gradient * SCALE, rcond=1e-12)
+    solution, _, independent, _ = np.linalg.lstsq(columns, -gradient * SCALE, rcond=1e-12)
     left = np.max(np.abs(gradient * SCALE + columns @ solution))
-    multipliers = solution[:2]
     edge_multipliers = solution[2 : 2 + len(on_edge)]
     violation = max(0.0, *(-solution[2 + len(on_edge) :]), 0.0)
     for multiplier, edge, normal in zip(edge_multipliers, on_edge, normals, strict=True):
-        pull = edge_pull(point, lanes, core2, group, edge, multipliers)
+        pull = edge_pull(point, lanes, core2, group, edge, solution[:2])
         size = float(np.max(np.abs(normal * SCALE)))
         violation = max(violation, -multiplier * size, (multiplier + pull) * size)
+    if independent < columns.shape[1]:
+        solution, left = _piecewise(problem, group, point, on_edge, columns[:, 2:])
+        edge_multipliers, violation = solution[2 : 2 + len(on_edge)], 0.0
+    multipliers = solution[:2]
 
     all_multipliers = np.zeros(len(representative))
     all_multipliers[on_edge] = edge_multipliers
@@ -130,6 +139,49 @@ def gather_evidence(
         stationarity=float(max(left, violation)),
         curvature=curvature,
     )
+
+
+def _piecewise(
+    problem: PairProblem,
+    group: NDArray[np.int64],
+    point: NDArray[np.float64],
+    on_edge: NDArray[np.intp],
+    normals: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], float]:
+    """Look for multipliers of the right signs within each smooth piece that meets in a point.
+
+    Parameters
+    ----------
+    problem, group, point
+        As for `gather_evidence`.
+    on_edge : (e,) ndarray of int
+        Core edges that the point lies on.
+    normals : (6, e + b) ndarray of float
+        Outward normals of those edges and of the active bounds, in units of `SCALE`.
+
+    Returns
+    -------
+    multipliers : (2 + e + b,) ndarray of float
+        Those of the piece inside all edges: of the balances, the edges and the bounds.
+    left : float
+        What is left of the gradient in the worst piece.
+    """
+    residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
+    found, worst = np.empty(0), 0.0
+    for sides in product((1.0, -1.0), repeat=len(on_edge)):
+        edges = np.full(group.shape, problem.constants[CORE2])
+        for edge, side in zip(on_edge, sides, strict=True):
+            edges[group == edge] = np.inf if side > 0.0 else -1.0
+        evaluate(point, problem.lanes, edges, problem.constants, residual, gradient, jacobian)
+        balances = jacobian.T * SCALE[:, None]
+        outward = normals * np.append(sides, np.ones(normals.shape[1] - len(sides)))
+        # The balances' multipliers have either sign: each is the difference of two that are not negative.
+        columns = np.hstack([balances, -balances, outward])
+        solution, _ = nnls(columns, -gradient * SCALE)
+        worst = max(worst, float(np.max(np.abs(gradient * SCALE + columns @ solution))))
+        if not found.size:
+            found = np.concatenate([solution[:2] - solution[2:4], solution[4:]])
+    return found, worst
 
 
 def describe_edge(problem: PairProblem, lane: int, filament: int) -> str:
