@@ -68,7 +68,8 @@ def _setting(text: str) -> tuple[str, Setting]:
     if not equals:
         raise UpwashError(f"--set: expected NAME=VALUE, found {printable(text)}; write as in speed_m_s=12")
     if name not in SETTABLE:
-        raise UpwashError(f"--set: expected an input, found {printable(name)}; {did_you_mean(name, SETTABLE)}")
+        remedy = did_you_mean(name, SETTABLE)
+        raise UpwashError(f"--set: expected an input, found {printable(name)}; {remedy}")
     is_whole = name in WHOLE
     try:
         value = int(written) if is_whole else float(written)

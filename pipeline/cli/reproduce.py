@@ -1,0 +1,104 @@
+"""The paper: redo it, and judge its claims."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from pipeline.errors import CheckFailed
+
+if TYPE_CHECKING:
+    from pipeline.batch.folder import ResultsFolder
+
+SWEEP = "reproduce"
+WORKERS = 2
+FAILED_EXIT = 1
+
+# Beside the package in a checkout, which is how Upwash is installed (pip install --editable).
+REFERENCE = Path(__file__).parents[2] / "results" / "reference"
+
+as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
+
+
+def _say(line: str) -> None:
+    """Write a line for a person, apart from the results."""
+    click.echo(line, err=True)
+
+
+@click.command()
+@click.option(
+    "--results", metavar="DIR", default=f"results/{SWEEP}", show_default=True, help="Results folder."
+)
+@as_json
+def reproduce(results: str, json_output: bool) -> None:
+    r"""Redo the paper, and print its table beside ours.
+
+    Solves the paper's pair for both of its objectives, checks the results and compares them with those that
+    are kept with the code. What is solved already is kept. Exit code 3 if a check fails.
+
+    \b
+    Example:
+      upwash reproduce
+    """
+    from pipeline.batch.compare import compare_folders
+    from pipeline.batch.folder import ResultsFolder
+    from pipeline.batch.store import GATHERED, SOLUTIONS, read_table
+    from pipeline.report.reproduction import reproduction, reproduction_record
+
+    folder = ResultsFolder(results)
+    solve_and_check(SWEEP, folder)
+    solutions = read_table(folder.path / GATHERED["pair"], SOLUTIONS).to_pandas()
+    comparison = compare_folders(folder, ResultsFolder(REFERENCE))[0]
+    if json_output:
+        record = {
+            "results": results,
+            **reproduction_record(solutions),
+            "agrees_with_reference": comparison.agrees,
+            "reference": asdict(comparison),
+        }
+        click.echo(json.dumps(record, ensure_ascii=False, indent=2, allow_nan=False))
+    else:
+        click.echo(reproduction(solutions))
+    for found in comparison.differences:
+        values = f"found {found.first}, kept {found.second}"
+        _say(f"{found.column}, job {found.job_id}: {values} (may differ by {found.allowed})")
+    if not comparison.agrees:
+        remedy = f"see 'upwash diff {results} {REFERENCE}'"
+        raise CheckFailed(f"{results}: expected what is kept in {REFERENCE}, found something else; {remedy}")
+    _say(f"{results}: agrees with {REFERENCE}")
+
+
+def solve_and_check(sweep: str, folder: ResultsFolder) -> None:
+    """Solve, gather and check a sweep.
+
+    Raises
+    ------
+    CheckFailed
+        If the results are not what they must be.
+    Exit
+        With code 1, if a job failed.
+    """
+    from pipeline.batch.aggregate import aggregate
+    from pipeline.batch.check import check
+    from pipeline.batch.folder import Plan
+    from pipeline.batch.runner import Options, run_sweep
+    from pipeline.sweep import read_sweep
+
+    read = read_sweep(sweep)
+    plan = Plan(read.name, read.jobs[0].kind, read.text, [job.job_id for job in read.jobs])
+    tally = run_sweep(read.jobs, plan, folder, Options(workers=WORKERS), sys.stderr)
+    if tally.failed:
+        _say(f"{folder}: {tally.failed} of {tally.jobs} jobs failed; see 'upwash status {folder}'")
+        raise click.exceptions.Exit(FAILED_EXIT)
+    aggregate(folder, _say)
+    jobs, findings = check(folder)
+    for finding in findings[1:]:
+        _say(str(finding))
+    if findings:
+        raise CheckFailed(f"{folder}: {findings[0]}")
+    _say(f"{folder}: {jobs} jobs solved and checked")
