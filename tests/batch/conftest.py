@@ -1,4 +1,4 @@
-"""Sweeps of the tests' own solvers, run as a user runs them: by the command, in processes of their own."""
+"""Sweeps of the tests' own solvers, run as a user runs them: by the command."""
 
 import json
 import os
@@ -6,11 +6,16 @@ import signal
 import subprocess
 import sys
 import time
+import traceback
 from collections import Counter
+from contextlib import chdir
 from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+from click.testing import CliRunner
+
+from pipeline.cli import main
 
 HERE = Path(__file__).parent
 COMMAND = [sys.executable, "-c", "from pipeline.cli import main; main()"]
@@ -24,17 +29,20 @@ mass_kg = {{ linspace = [1.1, 1.4, {jobs}] }}
 
 
 class Bench:
-    """A folder with a sweep in it, and the command to work on it."""
+    """A folder with a sweep in it, and the command to work on it.
 
-    def __init__(self, folder):
+    Called, the command runs in this process, so that all tests share the workers; started, in one of its own.
+    """
+
+    command = COMMAND
+
+    def __init__(self, folder, logs):
         self.folder = folder
         self.results = folder / "results" / "sweep"
-        self.log = folder / "solved.log"
-        self.environment = os.environ | {
-            "PYTHONPATH": str(HERE),
-            "UPWASH_TEST_LOG": str(self.log),
-            "UPWASH_TEST_MENDED": str(folder / "mended"),
-        }
+        self.log = logs / "solved.log"
+        self.marker = logs / "mended"
+        self.marker.unlink(missing_ok=True)
+        self.before = self.all_solved()
 
     def sweep(self, solver, jobs):
         """Write the sweep file."""
@@ -42,28 +50,23 @@ class Bench:
 
     def start(self, *arguments, **options):
         """Start the command in a process group of its own."""
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         return subprocess.Popen(
-            [*COMMAND, *arguments],
-            cwd=self.folder,
-            env=self.environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            start_new_session=True,
-            **options,
+            [*COMMAND, *arguments], cwd=self.folder, start_new_session=True, **pipes | options
         )
 
-    def __call__(self, *arguments, code=0, **options):
+    def __call__(self, *arguments, code=0):
         """Run the command; return its output and what it said, and expect an exit code."""
-        process = self.start(*arguments, **options)
-        out, said = process.communicate(timeout=120)
-        assert process.returncode == code, said
-        assert "Traceback" not in said
-        return out, said
+        with chdir(self.folder):
+            result = CliRunner().invoke(main, arguments)
+        unexpected = result.exception is not None and not isinstance(result.exception, SystemExit)
+        assert not unexpected, traceback.format_exception(result.exception)
+        assert result.exit_code == code, result.stderr
+        return result.stdout, result.stderr
 
-    def run(self, *options, code=0, **more):
+    def run(self, *options, code=0):
         """Run the sweep."""
-        return self("run", "./sweep.toml", *options, code=code, **more)
+        return self("run", "./sweep.toml", *options, code=code)
 
     def status(self, code=0):
         """Return what the status command says."""
@@ -73,9 +76,12 @@ class Bench:
         """Return the jobs' own files."""
         return sorted((self.results / "jobs").glob("*.parquet"))
 
-    def solved(self):
-        """Return how often each job was begun."""
+    def all_solved(self):
         return Counter(self.log.read_text().split()) if self.log.exists() else Counter()
+
+    def solved(self):
+        """Return how often each job was begun in this test."""
+        return self.all_solved() - self.before
 
     def summary(self):
         """Return the summary, apart from what was measured."""
@@ -83,7 +89,7 @@ class Bench:
 
     def mend(self):
         """Let waiting jobs go on, and failing ones succeed."""
-        (self.folder / "mended").touch()
+        self.marker.touch()
 
 
 def kill(process):
@@ -111,16 +117,27 @@ def wait_until(condition, timeout=60):
         time.sleep(0.01)
 
 
+@pytest.fixture(scope="session")
+def logs(tmp_path_factory):
+    """Where the tests' solvers tell what they did; set before any worker starts, and the same for all."""
+    folder = tmp_path_factory.mktemp("logs")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("UPWASH_TEST_LOG", str(folder / "solved.log"))
+        patch.setenv("UPWASH_TEST_MENDED", str(folder / "mended"))
+        patch.setenv("PYTHONPATH", str(HERE))
+        yield folder
+
+
 @pytest.fixture
-def bench(tmp_path):
-    return Bench(tmp_path)
+def bench(tmp_path, logs):
+    return Bench(tmp_path, logs)
 
 
 @pytest.fixture(scope="session")
-def solved_pairs(tmp_path_factory):
-    """Results of a sweep of two dozen stub jobs, run and gathered without a hitch; not to be changed."""
-    bench = Bench(tmp_path_factory.mktemp("undisturbed"))
+def undisturbed(tmp_path_factory, logs):
+    """The summary of a sweep of forty stub jobs that was run and gathered without a hitch."""
+    bench = Bench(tmp_path_factory.mktemp("undisturbed"), logs)
     bench.sweep("slow", 40)
     bench.run()
     bench("aggregate", "results/sweep")
-    return bench
+    return bench.summary()

@@ -99,3 +99,13 @@ def unknown_column(job):
 
 def wrong_type(job):
     return "solved", "", [row(job, hits="many")]
+
+
+def endless(job):
+    return "solved", "", [row(job, v_lower_bound=float("inf"), stationarity=float("nan"))]
+
+
+def threads(job):
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+        log(f"{name}={os.environ.get(name)}")
+    return trivial(job)

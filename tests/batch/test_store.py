@@ -1,0 +1,205 @@
+"""A Parquet file is there whole or not at all, says what it holds, and is not believed once a bit changes."""
+
+import errno
+import hashlib
+import json
+import os
+import random
+import subprocess
+import sys
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from pipeline.batch import columns as of
+from pipeline.batch import store
+from pipeline.batch.job import encode, run_job
+from pipeline.errors import UpwashError
+from pipeline.sweep import Job, read_sweep
+
+# Schema version -> digest of the names, types and units of all columns.
+FORMS = {1: "449d8372dc24c4bd"}
+
+SCHEMAS = {
+    "solutions": store.SOLUTIONS,
+    "flock": store.FLOCK,
+    "summary": store.SUMMARY,
+    "flock summary": store.FLOCK_SUMMARY,
+}
+
+
+@pytest.fixture(scope="module")
+def job():
+    return read_sweep("reproduce").jobs[0]
+
+
+def job_inputs(job, **changed):
+    return {name: value for name, value in job.inputs().items() if value is not None} | changed
+
+
+def data_of(job, sweep_text="the sweep's text", seconds=0.1):
+    """Return the file of a job whose solver is one of the tests' own."""
+    easy = Job(**job_inputs(job, solver="stub_solvers:two_optima"))
+    return encode(easy, run_job(easy), seconds, sweep_text).data
+
+
+@pytest.fixture
+def job_file(job, tmp_path):
+    path = tmp_path / "job.parquet"
+    store.write_atomic(path, data_of(job))
+    return path
+
+
+class TestSchema:
+    def test_a_changed_column_has_a_new_schema_version(self):
+        # If this fails, raise SCHEMA_VERSION and add a line: by it, results on people's disks tell whether
+        # they can still be read.
+        form = [(c.name, c.type, c.unit) for c in (*of.SOLUTIONS_COLUMNS, *of.FLOCK_COLUMNS)]
+        digest = hashlib.sha256(json.dumps(form).encode()).hexdigest()[:16]
+        assert FORMS[of.SCHEMA_VERSION] == digest
+
+    @pytest.mark.parametrize("name", SCHEMAS)
+    def test_every_column_states_its_unit_and_meaning(self, name):
+        for field in SCHEMAS[name]:
+            unit, description = field.metadata[b"unit"].decode(), field.metadata[b"description"].decode()
+            assert description, field.name
+            assert bool(unit) == (field.type in (pa.float64(), pa.int64())), field.name
+
+    @pytest.mark.parametrize(
+        ("ending", "unit"),
+        [("_kg", "kg"), ("_m", "m"), ("_m_s", "m/s"), ("_m_s2", "m/s2"), ("_kg_m3", "kg/m3")]
+        + [("_n", "N"), ("_w", "W"), ("_s", "s")],
+    )
+    def test_a_name_ends_in_the_unit_of_its_column(self, ending, unit):
+        longest = {c.name: max((e for e in ENDINGS if c.name.endswith(e)), key=len, default="") for c in ALL}
+        named = [c for c in ALL if longest[c.name] == ending]
+        assert named and all(c.unit == unit for c in named)
+
+    def test_the_inputs_of_a_job_are_columns_of_its_rows(self):
+        assert set(Job.__dataclass_fields__) - {"job_id"} <= set(store.FLOCK.names)
+        flock_only = {"birds", "shape", "wake", "reading"}
+        assert set(Job.__dataclass_fields__) - flock_only <= set(store.SOLUTIONS.names)
+
+    def test_units_and_provenance_survive_the_round_trip(self, job_file):
+        table = store.read_table(job_file, store.SOLUTIONS)
+        assert table.schema.field("power_total_w").metadata[b"unit"] == b"W"
+        metadata = store.metadata_of(table.schema)
+        assert metadata["sweep"] == "the sweep's text"
+        assert metadata["schema_version"] == str(of.SCHEMA_VERSION)
+        assert metadata["code_version"].startswith("0.")
+        assert json.loads(metadata["package_versions"])["pyarrow"] == pa.__version__
+
+    def test_a_file_of_another_schema_version_is_told_apart_from_a_damaged_one(self, job_file, monkeypatch):
+        monkeypatch.setattr(of, "SCHEMA_VERSION", of.SCHEMA_VERSION + 1)
+        other = pa.schema([*store.SOLUTIONS, pa.field("another", pa.string())])
+        with pytest.raises(UpwashError, match="expected schema version"):
+            store.read_table(job_file, other)
+
+
+ALL = (*of.SUMMARY_COLUMNS, *of.FLOCK_COLUMNS)
+ENDINGS = ("_kg", "_m", "_m_s", "_m_s2", "_kg_m3", "_n", "_w", "_s")
+
+
+class TestDamage:
+    def test_a_file_cut_anywhere_is_damaged(self, job_file):
+        data = job_file.read_bytes()
+        for length in range(0, len(data), 97):
+            with pytest.raises(store.Damaged):
+                store.read_table(job_file, store.SOLUTIONS, data[:length])
+
+    def test_no_flipped_bit_goes_unnoticed_and_changes_what_is_read(self, job_file):
+        data, whole = job_file.read_bytes(), store.read_table(job_file, store.SOLUTIONS)
+        chance = random.Random(1)
+        noticed = 0
+        for _ in range(1500):
+            place = chance.randrange(len(data))
+            flipped = bytearray(data)
+            flipped[place] ^= 1 << chance.randrange(8)
+            try:
+                read = store.read_table(job_file, store.SOLUTIONS, bytes(flipped))
+            except (store.Damaged, UpwashError):
+                noticed += 1
+            else:
+                # Whoever reads on has read the truth.
+                assert read.equals(whole), place
+        assert noticed > 1000
+
+    def test_something_else_is_damaged(self, job_file):
+        pq.write_table(pa.table({"a": [1]}).replace_schema_metadata({"schema_version": "1"}), job_file)
+        with pytest.raises(store.Damaged, match="columns"):
+            store.read_table(job_file, store.SOLUTIONS)
+
+
+class TestWriting:
+    def test_the_old_file_stays_until_the_new_one_is_whole(self, tmp_path, monkeypatch):
+        path = tmp_path / "file"
+        store.write_atomic(path, b"old")
+        monkeypatch.setattr(os, "fsync", failing_with(errno.EIO))
+        with pytest.raises(UpwashError, match="Input/output error"):
+            store.write_atomic(path, b"new")
+        assert path.read_bytes() == b"old"
+        assert os.listdir(tmp_path) == ["file"]
+
+    def test_a_disk_that_is_full_costs_one_clear_line_and_leaves_nothing_behind(self, tmp_path):
+        # A limit on the size of files stands in for the disk: writing beyond it fails half way.
+        script = (
+            "import resource, signal\nfrom pathlib import Path\nfrom pipeline.batch.store import write_atomic\n"
+            "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+            "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
+            "write_atomic(Path('small'), b'x' * 1000)\n"
+            "write_atomic(Path('large'), b'x' * 1001)\n"
+        )
+        told = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
+        assert "UpwashError: large: expected to write it, found: File too large" in told.stderr
+        assert os.listdir(tmp_path) == ["small"]
+
+    def test_equal_rows_make_equal_bytes(self, job):
+        assert data_of(job, seconds=0.1) == data_of(job, seconds=0.2)
+
+
+def failing_with(number):
+    def fail(*_):
+        raise OSError(number, os.strerror(number))
+
+    return fail
+
+
+class TestRowsOfAnyKind:
+    @pytest.mark.parametrize(
+        ("solver", "error"),
+        [
+            (
+                "failing_when_heavy",
+                "ZeroDivisionError: a bird too heavy, over two lines (stub_solvers.py, line",
+            ),
+            ("exiting", "SystemExit: 3"),
+            ("unknown_column", "ValueError: rows: expected columns of the schema, found wingspan_in_feet"),
+            ("wrong_type", "ArrowInvalid"),
+            ("not_there", "AttributeError"),
+        ],
+    )
+    def test_whatever_goes_wrong_is_a_row_with_inputs_seed_and_error(self, job, solver, error):
+        bad = Job(**job_inputs(job, solver=f"stub_solvers:{solver}", seed=7))
+        result = encode(bad, run_job(bad), 0.1, "")
+        (found,) = store.read_table(None, store.SOLUTIONS, result.data).to_pylist()
+        assert result.status == found["status"] == "failed"
+        assert found["error"].startswith(error) and "\n" not in found["error"]
+        assert (found["job_id"], found["mass_kg"], found["seed"]) == (bad.job_id, job.mass_kg, 7)
+        assert found["x_m"] is None and found["rank"] is None
+
+    def test_no_answer_is_a_row_that_says_so(self, job):
+        lost = Job(**job_inputs(job, solver="stub_solvers:infeasible"))
+        (found,) = run_job(lost)
+        assert (found["status"], found["error"]) == ("infeasible", "nowhere to fly")
+
+    def test_an_amplitude_beyond_the_wingspan_is_infeasible(self, job):
+        wild = Job(**job_inputs(job, leader_amplitude_m=3.0))
+        (found,) = run_job(wild)
+        assert found["status"] == "infeasible"
+        assert found["error"].startswith("amplitude_m: expected at most twice the semispan")
+
+    def test_numbers_that_are_not_finite_are_absent(self, job):
+        endless = Job(**job_inputs(job, solver="stub_solvers:endless"))
+        (found,) = run_job(endless)
+        assert (found["v_lower_bound"], found["stationarity"]) == (None, None)
