@@ -165,12 +165,16 @@ def status(results: str, as_json: bool) -> None:
 def aggregate(results: str, as_json: bool) -> None:
     r"""Gather the jobs' files into solutions.parquet (flock.parquet) and summary.parquet.
 
+    A sweep over species, over samples of their ranges or for sensitivity indices gets its tables as well, in
+    RESULTS/tables.
+
     \b
     Example:
       upwash aggregate results/reproduce
     """
     from pipeline.batch.aggregate import aggregate as gather
     from pipeline.batch.folder import ResultsFolder
+    from pipeline.report.studies import after_aggregate
 
     gathered = gather(ResultsFolder(results), _say)
     if as_json:
@@ -179,6 +183,7 @@ def aggregate(results: str, as_json: bool) -> None:
         missing = f", {gathered.missing} without a result yet" if gathered.missing else ""
         retired = f", {gathered.retired} that the sweep does not name set apart" if gathered.retired else ""
         _say(f"{results}: gathered {gathered.jobs} jobs{missing}{retired}")
+    after_aggregate(results, _say)
 
 
 @click.command()

@@ -1,7 +1,7 @@
 """What species are compared by: inputs and optima free of units, as columns with a meaning.
 
-Positions are in semispans, wavelengths and amplitudes, savings and changes of the stroke fractions, and the bird is its
-four dimensionless groups, on which alone a force-optimal pair depends.
+Positions are in semispans, wavelengths and amplitudes, savings and changes of the stroke fractions, and the
+bird is its four dimensionless groups, on which alone a force-optimal pair depends.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ POSITION = (
     Column("x_wavelengths", "1", "follower downstream of its leader, in wavelengths"),
     Column("x_semispans", "1", "follower downstream of its leader, in semispans"),
     Column("y_semispans", "1", "follower right of its leader, in semispans"),
-    Column("tip_spacing_semispans", "1", "spanwise gap between the two wingtips, in semispans; overlap negative"),
+    Column("tip_spacing_semispans", "1", "gap between the two wingtips, in semispans; overlap negative"),
     Column("z_semispans", "1", "follower above its leader, in semispans"),
     Column("z_amplitudes", "1", "follower above its leader, in the leader's amplitudes"),
     Column("phase", "1", "follower's lag behind its leader, in wingbeats"),
-    Column("path_phase", "1", "wingtip's lag behind the path of the leader's wingtip, in wingbeats; 0 retraces it"),
+    Column("path_phase", "1", "lag behind the path of the leader's wingtip, in wingbeats; 0 retraces it"),
 )
 
 SAVING = (
@@ -39,8 +39,12 @@ SAVING = (
 )
 
 STROKE = (
-    Column("amplitude_reduction", "1", "1 - h_F/h_L, by how much the follower flaps less far than its leader"),
-    Column("span_ratio_reduction", "1", "1 - R_F/R_L, by how much its upstroke is more flexed than its leader's"),
+    Column("amplitude_reduction", "1", "1 - h_F/h_L, by how much less far the follower flaps"),
+    Column(
+        "span_ratio_reduction",
+        "1",
+        "1 - R_F/R_L, by how much more the follower flexes its wing on the upstroke",
+    ),
 )
 
 GAP = (Column("v_gap", "1", "cost of the V optimum over that of the best optimum found, less 1"),)
@@ -89,7 +93,7 @@ def with_quantities(rows: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        The rows and the columns of `GROUPS` and `QUANTITIES`, `v_gap` excepted: that needs all of a job's rows.
+        The rows and the columns of `GROUPS` and of `QUANTITIES` but `v_gap`, which needs all of a job's rows.
     """
     found = with_groups(rows)
     semispan, wavelength = rows["semispan_m"], rows["speed_m_s"] * rows["period_s"]
@@ -121,12 +125,12 @@ def optima_of_jobs(rows: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        By job id: the job's inputs and outcome, `GROUPS`, `QUANTITIES` (NaN without a V optimum), ``has_v``, and of
-        the best optimum ``best_placement``, ``best_tier``, ``best_station``, ``best_x_semispans``,
-        ``best_y_semispans``, ``best_z_semispans`` and ``best_saving_total``.
+        By job id: the job's inputs and outcome, `GROUPS`, `QUANTITIES` (NaN without a V optimum), ``has_v``,
+        ``v_gap_bound`` (the V optimum's cost over what is proved to be the least, less 1), and of the best
+        optimum found placement, tier, station, position and saving, with the prefix ``best_``.
     """
     scaled = with_quantities(rows)
-    best = scaled.sort_values("rank", kind="stable").drop_duplicates("job_id").set_index("job_id").sort_index()
+    best = scaled.sort_values(["job_id", "rank"]).drop_duplicates("job_id").set_index("job_id")
     in_v = scaled[scaled["is_v_optimum"].eq(True)].set_index("job_id").reindex(best.index)
     found = best[[*OF_THE_JOB, *(column.name for column in GROUPS)]].copy()
     for column in QUANTITIES:
