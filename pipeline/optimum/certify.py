@@ -205,8 +205,9 @@ def dual_bound(relaxation, product, widths, nu_lift, nu_thrust):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _climb(relaxation, product, widths, nu, d_lift, d_thrust, origins, rates):
+def _climb(relaxation, product, widths, nu, d_lift, d_thrust, work):
     """Move the multipliers to the maximum of the dual along a direction; return it (infinite: no feasible point)."""
+    origins, rates, breaks, drops = work[0], work[1], work[2], work[3]
     for i in range(6):
         origins[i] = (
             relaxation[0, 1 + i] + nu[0] * relaxation[1, 1 + i] + nu[1] * relaxation[2, 1 + i]
@@ -217,30 +218,40 @@ def _climb(relaxation, product, widths, nu, d_lift, d_thrust, origins, rates):
     origins[8], rates[8] = (nu[1] + relaxation[0, 7]) * product, d_thrust * product
     base = relaxation[0, 0] + nu[0] * relaxation[1, 0] + nu[1] * relaxation[2, 0]
     rate = d_lift * relaxation[1, 0] + d_thrust * relaxation[2, 0]
-    steepness = 0.0
+    # The dual is concave and piecewise linear along the direction: walk its breakpoints until the slope turns.
+    slope, count = rate, 0
     for i in range(9):
-        steepness += abs(rates[i])
-    if abs(rate) > steepness * (1.0 + 1e-9) + 1e-14:
+        slope += abs(rates[i])
+        if rates[i] == 0.0:
+            continue
+        step = -origins[i] / rates[i]
+        k = count
+        while k > 0 and breaks[k - 1] > step:
+            breaks[k], drops[k] = breaks[k - 1], drops[k - 1]
+            k -= 1
+        breaks[k], drops[k] = step, 2.0 * abs(rates[i])
+        count += 1
+    noise = 1e-9 * abs(slope) + 1e-14
+    if slope <= noise:
+        return np.inf if slope < -noise else base - np.sum(np.abs(origins))
+    chosen = 0.0
+    for k in range(count):
+        slope -= drops[k]
+        if slope <= 0.0:
+            chosen = breaks[k]
+            break
+    if slope > noise:
         return np.inf
-    best, best_step = -np.inf, 0.0
-    for k in range(10):
-        step = 0.0
-        if k < 9:
-            if rates[k] == 0.0:
-                continue
-            step = -origins[k] / rates[k]
-        value = base + rate * step
-        for i in range(9):
-            value -= abs(origins[i] + rates[i] * step)
-        if value > best:
-            best, best_step = value, step
-    nu[0] += best_step * d_lift
-    nu[1] += best_step * d_thrust
-    return best
+    nu[0] += chosen * d_lift
+    nu[1] += chosen * d_thrust
+    value = base + rate * chosen
+    for i in range(9):
+        value -= abs(origins[i] + rates[i] * chosen)
+    return value
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _ascend(relaxation, product, widths, nu, threshold, origins, rates):
+def _ascend(relaxation, product, widths, nu, threshold, work):
     """Improve the multipliers until the bound exceeds the threshold or no search direction helps."""
     best = dual_bound(relaxation, product, widths, nu[0], nu[1])
     for _ in range(ASCENT_ROUNDS):
@@ -261,7 +272,7 @@ def _ascend(relaxation, product, widths, nu, threshold, origins, rates):
                     continue
             else:
                 d_lift, d_thrust = (1.0, 0.0) if direction == 1 else (0.0, 1.0)
-            best = max(best, _climb(relaxation, product, widths, nu, d_lift, d_thrust, origins, rates))
+            best = max(best, _climb(relaxation, product, widths, nu, d_lift, d_thrust, work))
         if best - before < 1e-3 * (threshold - best):
             break
     return best
@@ -316,7 +327,7 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
         Least and greatest mean height, least and greatest amplitude.
     threshold : float
         Cost to be exceeded.
-    scratch : (6, 10) ndarray of float
+    scratch : (8, 10) ndarray of float
         Scratch; on return rows 0 to 2 hold the last relaxation.
     forms : (2, 2, 2, 6) ndarray of float
         Scratch.
@@ -328,7 +339,7 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
     bound : float
         Lower bound of the cost of the feasible points of the box as it was given.
     """
-    relaxation, widths, origins, rates = scratch[0:3, 0:8], scratch[3, 0:6], scratch[4], scratch[5]
+    relaxation, widths, work = scratch[0:3, 0:8], scratch[3, 0:6], scratch[4:8]
     half = lanes.shape[1] // 2
     bound = -np.inf
     while True:
@@ -357,14 +368,17 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
                 forms[part],
             )
         product = relax(low, high, forms, constants, phase_end, relaxation)
-        bound = max(bound, _ascend(relaxation, product, widths, nu, threshold + MARGIN, origins, rates))
+        if not (
+            _contract(low, high, relaxation, product, widths, 0.0, 1.0, 0.0, 0.0)
+            and _contract(low, high, relaxation, product, widths, 0.0, -1.0, 0.0, 0.0)
+            and _contract(low, high, relaxation, product, widths, 0.0, 0.0, 1.0, 0.0)
+            and _contract(low, high, relaxation, product, widths, 0.0, 0.0, -1.0, 0.0)
+        ):
+            return CLEARED, np.inf
+        bound = max(bound, _ascend(relaxation, product, widths, nu, threshold + MARGIN, work))
         if bound > threshold + MARGIN:
             return CLEARED, bound
-        alive = _contract(low, high, relaxation, product, widths, 1.0, nu[0], nu[1], threshold)
-        for sign in (-1.0, 1.0):
-            alive = alive and _contract(low, high, relaxation, product, widths, 0.0, sign, 0.0, 0.0)
-            alive = alive and _contract(low, high, relaxation, product, widths, 0.0, 0.0, sign, 0.0)
-        if not alive:
+        if not _contract(low, high, relaxation, product, widths, 1.0, nu[0], nu[1], threshold):
             return CLEARED, bound
         after = 1.0
         for i in range(6):
@@ -459,7 +473,7 @@ def branch_and_bound(
     """
     stack_low, stack_high = np.empty((DEPTH, 6)), np.empty((DEPTH, 6))
     stack_nu, stack_bound = np.empty((DEPTH, 2)), np.empty(DEPTH)
-    scratch, forms = np.empty((6, 10)), np.empty((2, 2, 2, 6))
+    scratch, forms = np.empty((8, 10)), np.empty((2, 2, 2, 6))
     box_low, box_high, nu = np.empty(6), np.empty(6), np.empty(2)
     start, end, multipliers, pins = np.empty(6), np.empty(6), np.empty(2), np.empty(representative.shape[0])
     stack_low[0], stack_high[0], stack_nu[0] = low, high, 0.0

@@ -3,12 +3,13 @@
 A quantity over a box is enclosed by value + slopes·δ ± radius, δ the offset from the box's centre.  Every filament,
 tip or spanwise, induces a strength times one or two components of a plane vortex,
 
-    (u(p₀, r) − u(p₁, r)) · a / max(r, r_c²),        u(p, r) = p / √(p² + r),        r = a² + c²,
+    (u₀ − u₁) · a / max(a² + c², r_c²),
 
-p the distances along the filament from its ends, a and c those across it, all affine in the position.
+u the cosine between the filament and the line from one of its ends, a and c the distances across it, all affine in the
+position but the cosines.
 
-- u is expanded to first order, with a closed bound of its second derivatives: |u_pp| ≤ 1.155/n², |u_pr| ≤ 1/n³ and
-  |u_rr| ≤ 0.75/n⁴, n² the least p² + r in the box.
+- u = p/n, with p along the filament and n the distance from its end, is expanded to first order; its second derivative
+  along any unit vector is at most 2/√3 / n² (the largest eigenvalue of its Hessian, over all angles).
 - Outside the core the plane vortex is the real or imaginary part of 1/ζ, whose remainder of first order is
   δ²/(ζ²(ζ + δ)); inside it is linear.  Across an edge it is the lesser of the two in magnitude, so a convex mix of both
   errs to one side only, and the mix with the least radius is taken.
@@ -42,32 +43,37 @@ from pipeline.aero.lanes import (
 # bound |u| ≤ 1 is the better one anyway.
 NEAREST = 1e-6
 
+HALF_CURVATURE = 1.0 / math.sqrt(3.0)
+"""Half of the greatest second derivative of a cosine, times the squared distance."""
+
 # Places in a form.
 VALUE, BY_X, BY_Y, BY_Z, BY_RATIO, RADIUS = range(6)
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
-def _enclose_u(p, p_width, r, r_spread, r_square, per_n, per_nearest):
-    """Enclose u over a box: value, slopes by p and by r, radius.
+def _enclose_strength(
+    p0, x0, y0, z0, per_n0, near0, p1, x1, y1, z1, per_n1, near1, ax, ay, az, wx, wy, wz, square
+):  # fmt: skip
+    """Enclose the difference of the cosines at both ends: value, three slopes, radius, half-range.
 
-    `r_spread` is the half-range of r's linear part and `r_square` the size of its quadratic part, which is one-sided.
+    For each end: projection on the filament's direction (ax, ay, az), position from the end, reciprocal distance at the
+    centre and greatest in the box.  `square` is the squared half-diagonal of the box.
     """
-    per_n3 = per_n * per_n * per_n
-    by_p, by_r = r * per_n3, -0.5 * p * per_n3
-    deviation = r_spread + r_square
-    square = per_nearest * per_nearest
-    radius = (
-        0.5775 * square * p_width * p_width
-        + square * per_nearest * p_width * deviation
-        + 0.375 * square * square * deviation * deviation
-        + 0.5 * abs(by_r) * r_square
-    )
-    wide = abs(by_p) * p_width + abs(by_r) * r_spread + radius > 1.0
+    u0, u1 = p0 * per_n0, p1 * per_n1
+    c0, c1 = u0 * per_n0 * per_n0, u1 * per_n1 * per_n1
+    change = per_n0 - per_n1
+    ux, uy, uz = ax * change - c0 * x0 + c1 * x1, ay * change - c0 * y0 + c1 * y1, az * change - c0 * z0 + c1 * z1
+    radius = HALF_CURVATURE * square * (near0 * near0 + near1 * near1)
+    spread = abs(ux) * wx + abs(uy) * wy + abs(uz) * wz + radius
+    # Each cosine lies between −1 and 1; near an end that says more.
+    wide = spread > 2.0
     return (
-        0.0 if wide else p * per_n + 0.5 * by_r * r_square,
-        0.0 if wide else by_p,
-        0.0 if wide else by_r,
-        1.0 if wide else radius,
+        0.0 if wide else u0 - u1,
+        0.0 if wide else ux,
+        0.0 if wide else uy,
+        0.0 if wide else uz,
+        2.0 if wide else radius,
+        2.0 if wide else spread,
     )
 
 
@@ -101,19 +107,6 @@ def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
         -2.0 * outer * a * c * per_r,
         radius,
     )
-
-
-@njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
-def _enclose_strength(
-    p0, p1, px, py, pz, p_width, r, rx, ry, rz, r_square, per_n0, per_n1, near0, near1, wx, wy, wz
-):  # fmt: skip
-    """Enclose u(p₀, r) − u(p₁, r): value, three slopes, radius, half-range."""
-    r_spread = abs(rx) * wx + abs(ry) * wy + abs(rz) * wz
-    u0, u0_p, u0_r, u0_radius = _enclose_u(p0, p_width, r, r_spread, r_square, per_n0, near0)
-    u1, u1_p, u1_r, u1_radius = _enclose_u(p1, p_width, r, r_spread, r_square, per_n1, near1)
-    by_p, by_r, radius = u0_p - u1_p, u0_r - u1_r, u0_radius + u1_radius
-    ux, uy, uz = by_p * px + by_r * rx, by_p * py + by_r * ry, by_p * pz + by_r * rz
-    return u0 - u1, ux, uy, uz, radius, abs(ux) * wx + abs(uy) * wy + abs(uz) * wz + radius
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
@@ -162,14 +155,14 @@ def enclose_ring(
     i1l, i1r = 1.0 / math.sqrt(q1 + yl2 + nearest2), 1.0 / math.sqrt(q1 + yr2 + nearest2)
     m0l, m0r = 1.0 / math.sqrt(q0_low + yl2_low + nearest2), 1.0 / math.sqrt(q0_low + yr2_low + nearest2)
     m1l, m1r = 1.0 / math.sqrt(q1_low + yl2_low + nearest2), 1.0 / math.sqrt(q1_low + yr2_low + nearest2)
-    span_square = wx * wx + wz * wz
+    square = wx * wx + wy * wy + wz * wz
     # Spanwise filaments: v_x goes with z, v_z with −x, of the vortex in the vertical plane.
     s0, s0x, s0y, s0z, s0_radius, s0_range = _enclose_strength(
-        yl, yr, 0.0, 1.0, 0.0, wy, q0, 2.0 * x0, 0.0, 2.0 * z0, span_square, i0l, i0r, m0l, m0r, wx, wy, wz
-    )  # fmt: skip
+        yl, x0, yl, z0, i0l, m0l, yr, x0, yr, z0, i0r, m0r, 0.0, 1.0, 0.0, wx, wy, wz, square
+    )
     s1, s1x, s1y, s1z, s1_radius, s1_range = _enclose_strength(
-        yl, yr, 0.0, 1.0, 0.0, wy, q1, 2.0 * x1, 0.0, 2.0 * z1, span_square, i1l, i1r, m1l, m1r, wx, wy, wz
-    )  # fmt: skip
+        yl, x1, yl, z1, i1l, m1l, yr, x1, yr, z1, i1r, m1r, 0.0, 1.0, 0.0, wx, wy, wz, square
+    )
     k, ka, kc, kr = _enclose_vortex(z0, x0, wz, wx, q0, q0_low, q0_high, core2)
     a0, a0x, a0y, a0z, a0r = _multiply(
         s0, s0x, s0y, s0z, s0_radius, s0_range, k, kc, 0.0, ka, kr, wx, wy, wz
@@ -188,15 +181,15 @@ def enclose_ring(
     )
     # Tip filaments: both components go with the spanwise distance.
     d, p0, p1 = az * x0 - ax * z0, ax * x0 + az * z0, ax * x1 + az * z1
-    wd, wp = abs(az) * wx + abs(ax) * wz, abs(ax) * wx + abs(az) * wz
+    wd = abs(az) * wx + abs(ax) * wz
     d_low, d_high = max(abs(d) - wd, 0.0), abs(d) + wd
-    rl, rr, rx, rz, tip_square = d * d + yl2, d * d + yr2, 2.0 * d * az, -2.0 * d * ax, wd * wd + wy * wy
+    rl, rr = d * d + yl2, d * d + yr2
     sl, slx, sly, slz, sl_radius, sl_range = _enclose_strength(
-        p0, p1, ax, 0.0, az, wp, rl, rx, 2.0 * yl, rz, tip_square, i0l, i1l, m0l, m1l, wx, wy, wz
-    )  # fmt: skip
+        p0, x0, yl, z0, i0l, m0l, p1, x1, yl, z1, i1l, m1l, ax, 0.0, az, wx, wy, wz, square
+    )
     sr, srx, sry, srz, sr_radius, sr_range = _enclose_strength(
-        p0, p1, ax, 0.0, az, wp, rr, rx, 2.0 * yr, rz, tip_square, i0r, i1r, m0r, m1r, wx, wy, wz
-    )  # fmt: skip
+        p0, x0, yr, z0, i0r, m0r, p1, x1, yr, z1, i1r, m1r, ax, 0.0, az, wx, wy, wz, square
+    )
     k, ka, kc, kr = _enclose_vortex(
         yl, d, wy, wd, rl, d_low * d_low + yl2_low, d_high * d_high + yl_high * yl_high, core2
     )
