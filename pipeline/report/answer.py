@@ -40,7 +40,9 @@ def _nothing_found(row: Any) -> str:
     proved = (
         "this is proved" if pd.isna(row["global_lower_bound"]) else "open: none was found, which is no proof"
     )
-    return f"no optimum. {row['error']} ({proved})"
+    # An error begins with what kind of thing it is.
+    cause = row["error"].partition(": ")[2] or row["error"]
+    return f"no optimum: {cause} ({proved})"
 
 
 def _no_v_optimum(row: Any) -> str:

@@ -57,8 +57,8 @@ def _verdict(solutions: pd.DataFrame) -> list[str]:
         lines = [f"{claim} No better optimum than Table 1's, the V optimum, was found:"]
     else:
         lines = [
-            f"{claim} It is not: Table 1 is the V optimum, the",
-            "best that is outboard, level and astern. Within the paper's own bounds another optimum costs less:",
+            f"{claim} It is not: Table 1 is the V optimum,",
+            "the best that is outboard, level and astern; within the paper's own bounds another costs less:",
         ]
     return [*lines, *(f"  least {words_of(objective)}: {_best(best)}" for objective, best in found.items())]
 
