@@ -524,7 +524,8 @@ def branch_and_bound(
             height += 1
     for k in range(height):
         left_open = min(left_open, stack_bound[k])
-    is_closed = left_open == np.inf
+    # What stayed open before a better solution lowered the threshold may lie above it now.
+    is_closed = left_open >= threshold
     return min(left_open, threshold), boxes, is_closed, found_cost
 
 
