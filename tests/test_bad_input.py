@@ -1,0 +1,77 @@
+"""Bad input as a shell sees it: one line that says what is wrong, exit code 2, and nothing written."""
+
+import subprocess
+import sys
+
+import pytest
+
+from pipeline.species.library import LIBRARY_FOLDER
+
+COMMAND = [sys.executable, "-c", "from pipeline.cli import main; main(prog_name='upwash')"]
+IBIS = (LIBRARY_FOLDER / "northern-bald-ibis.toml").read_text(encoding="utf-8")
+SWEEP = 'species = "northern-bald-ibis"\n'
+
+FILES = {
+    "no-mass.toml": IBIS.replace("[mass]", "[mas]"),
+    "negative.toml": IBIS.replace("value = 1.3\n", "value = -1.3\n"),
+    "nan.toml": IBIS.replace("value = 15.0\n", "value = nan\n"),
+    "ratio.toml": IBIS.replace("value = 0.4\n", "value = 1.4\n"),
+    "syntax.toml": IBIS.replace("[mass]", "[mass"),
+    "sweep.toml": SWEEP,
+    "unknown-input.toml": SWEEP + "[grid]\nspeed_of_wind = [1, 2]\n",
+    "sweep-syntax.toml": SWEEP + "objective = force\n",
+}
+
+# Arguments of the command, and what its one line must name.
+MISTAKES = {
+    "a missing field": (["optimum", "./no-mass.toml"], ["no-mass.toml", "mas"]),
+    "a negative mass": (["optimum", "./negative.toml"], ["negative.toml", "mass", "-1.3"]),
+    "a NaN": (["optimum", "./nan.toml"], ["nan.toml", "speed", "nan"]),
+    "a span ratio beyond 1": (["optimum", "./ratio.toml"], ["ratio.toml", "upstroke_span_ratio", "1.4"]),
+    "a syntax error": (["optimum", "./syntax.toml"], ["syntax.toml", "TOML"]),
+    "an unknown species": (["optimum", "northern-bold-ibis"], ["did you mean northern-bald-ibis"]),
+    "an unknown objective": (["optimum", "northern-bald-ibis", "--objective", "speed"], ["'speed'", "power"]),
+    "an unknown parameter": (
+        ["run", "./unknown-input.toml"],
+        ["unknown-input.toml, line 3", "speed_of_wind"],
+    ),
+    "a sweep's syntax error": (["run", "./sweep-syntax.toml"], ["sweep-syntax.toml, line 2", "TOML"]),
+    "results under a file": (
+        ["run", "./sweep.toml", "--results", "sweep.toml/results"],
+        ["sweep.toml/results"],
+    ),
+    "results that are a file": (["reproduce", "--results", "sweep.toml"], ["sweep.toml"]),
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A folder with all the bad files in it."""
+    folder = tmp_path_factory.mktemp("bad")
+    for name, text in FILES.items():
+        assert text not in (IBIS, ""), name
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def told(folder):
+    """What each command told, all of them run side by side."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    started = {
+        mistake: subprocess.Popen([*COMMAND, *arguments], cwd=folder, **pipes)
+        for mistake, (arguments, _) in MISTAKES.items()
+    }
+    return {mistake: (*process.communicate(), process.returncode) for mistake, process in started.items()}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_is_one_clear_line_and_exit_2(told, mistake):
+    output, said, code = told[mistake]
+    assert (output, code) == ("", 2), said
+    assert said.startswith("Error: ") and said.count("\n") == 1, said
+    assert all(word in said for word in MISTAKES[mistake][1]), said
+
+
+def test_writes_nothing(told, folder):
+    assert {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()} == FILES

@@ -1,0 +1,165 @@
+"""The command ``upwash optimum``: what it prints, what it takes, and what it refuses."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from pipeline.batch import columns as of
+from pipeline.cli import main
+from pipeline.errors import UpwashError
+from pipeline.sweep import read_sweep
+from pipeline.sweep.single import single_job
+
+IBIS = "northern-bald-ibis"
+
+
+def optimum(*arguments):
+    return CliRunner().invoke(main, ["optimum", *arguments], prog_name="upwash")
+
+
+def job(*settings, species=IBIS, amplitude="stroke-angle", objective="force", seed=0, tolerance=1e-4):
+    return single_job(
+        "pair", species, settings, amplitude, objective=objective, seed=seed, tolerance=tolerance
+    )
+
+
+class TestPrints:
+    @pytest.fixture(scope="class")
+    @classmethod
+    def text(cls):
+        """Everything about the paper's pair, for its first objective."""
+        result = optimum(IBIS, "--all")
+        assert result.exit_code == 0
+        assert result.stderr.startswith("solved in ")
+        return result.stdout
+
+    @pytest.fixture(scope="class")
+    @classmethod
+    def record(cls):
+        """The same pair for the paper's second objective, as JSON."""
+        result = optimum(IBIS, "--objective", "power", "--json")
+        assert result.exit_code == 0
+        return json.loads(result.stdout, parse_constant=pytest.fail)
+
+    @staticmethod
+    def line(text, beginning):
+        return next(
+            line.removeprefix(beginning).split() for line in text.splitlines() if line.startswith(beginning)
+        )
+
+    def test_both_optima_in_si_units_and_the_birds_own(self, text):
+        assert self.line(text, "quantity ") == ["unit", "V", "optimum", "global", "optimum"]
+        assert self.line(text, "x, downstream of the leader")[:2] == ["m", "1.8178"]
+        assert "wavelengths" in text and "semispans" in text and "amplitudes h_L" in text
+        assert self.line(text, "placement") == ["outboard", "inboard"]
+
+    def test_gap_proof_and_savings(self, text):
+        assert self.line(text, "cost above the best's") == ["%", "0.30", "0.00"]
+        assert self.line(text, "proof") == ["proved", "to", "1.0e-4"] * 2
+        assert self.line(text, "imbalance of lift or thrust") == ["below", "1.0e-9"] * 2
+        assert self.line(text, "saving of total power")[:2] == ["%", "11.41"]
+
+    def test_every_optimum_with_its_evidence(self, text):
+        head = self.line(text, "rank ")
+        assert {"hits", "bounds", "edges", "stationarity", "placement", "tier", "station", "κ"} <= set(head)
+        table = text[text.index("rank ") :].split("\n\n")[0].splitlines()[1:]
+        assert [row.split()[0] for row in table] == [str(number) for number in range(len(table))]
+        assert len(table) >= 10
+        assert sum(row.split()[1] == "V" for row in table) == 1
+        assert "left wingtip down on right tip of upstroke ring (leader up)" in text
+
+    def test_json_is_the_columns_of_the_results(self, record):
+        of_the_job = [column.name for column in (*of.OUTCOME, *of.INPUTS, *of.CERTIFICATE)]
+        assert list(record) == [*of_the_job, "solve_time_s", "optima"]
+        of_an_optimum = [column.name for column in of.SOLUTION if column.name != "solve_time_s"]
+        assert all(list(one) == of_an_optimum for one in record["optima"])
+        assert [one["rank"] for one in record["optima"]] == list(range(len(record["optima"])))
+        assert record["job_id"] == job(objective="power").job_id
+
+    def test_json_holds_both_optima(self, record):
+        (v,) = (one for one in record["optima"] if one["is_v_optimum"])
+        best = record["optima"][0]
+        assert best["is_global_optimum"] and not v["is_global_optimum"]
+        assert v["cost"] / best["cost"] - 1 == pytest.approx(0.0351, abs=1e-4)
+        assert record["global_certified_gap"] <= 1e-4 * (1 + 1e-6)
+
+    def test_that_no_follower_can_fly_is_a_result(self):
+        # A follower's span ratio is 0.5 at most, and the wake does not carry what it then lacks in lift.
+        result = optimum(IBIS, "--set", "upstroke_span_ratio=0.75")
+        assert result.exit_code == 0
+        assert result.stdout.startswith(f"{IBIS}, least force: no optimum: no position within the bounds")
+        assert "(this is proved)" in result.stdout
+
+
+class TestTakes:
+    def test_the_job_is_that_of_a_sweep(self, tmp_path):
+        sweep = tmp_path / "sweep.toml"
+        lines = ['species = "mute-swan"', 'amplitude = "strouhal"', "seed = 3", "[fixed]", "speed_m_s = 14"]
+        sweep.write_text("\n".join([*lines, "span_nodes = 5"]), encoding="utf-8")
+        same = job("speed_m_s=14", "span_nodes=5", species="mute-swan", amplitude="strouhal", seed=3)
+        assert read_sweep(sweep).jobs == [same]
+        assert read_sweep(sweep).jobs[0].job_id == same.job_id
+
+    def test_a_path_is_a_species(self, tmp_path):
+        from pipeline.species.library import LIBRARY_FOLDER
+
+        path = tmp_path / "my-bird.toml"
+        path.write_text((LIBRARY_FOLDER / f"{IBIS}.toml").read_text(encoding="utf-8"), encoding="utf-8")
+        assert job(species=str(path)).species == "my-bird"
+
+    def test_an_amplitude_that_is_set_is_no_conventions(self):
+        assert job("amplitude_m=0.9").amplitude_convention == "given"
+        assert job("amplitude_m=0.9").leader_amplitude_m == 0.9
+
+
+class TestRefuses:
+    @pytest.mark.parametrize(
+        ("setting", "words"),
+        [
+            ("speed", "NAME=VALUE"),
+            ("speed=12", "did you mean 'speed_m_s'"),
+            ("stroke_states=3", "expected an input"),
+            ("speed_m_s=", "positive, finite number"),
+            ("speed_m_s=fast", "'fast'"),
+            ("mass_kg=-1", "'-1'"),
+            ("mass_kg=nan", "'nan'"),
+            ("mass_kg=inf", "'inf'"),
+            ("span_nodes=2.5", "whole number"),
+            ("span_nodes=1", "at least 2"),
+            ("upstroke_span_ratio=1", "strictly between 0 and 1"),
+            ("upstroke_span_ratio=0.9", "makes thrust"),
+            ("amplitude_m=1.3", "at most the wingspan"),
+            ("stroke_half_angle_deg=91", "at most 90"),
+        ],
+    )
+    def test_an_input_that_makes_no_bird(self, setting, words):
+        with pytest.raises(UpwashError, match=words.replace("(", r"\(")) as raised:
+            job(setting)
+        assert "expected " in str(raised.value) and "found " in str(raised.value)
+
+    def test_an_input_twice(self):
+        with pytest.raises(UpwashError, match="speed_m_s: expected each input once"):
+            job("speed_m_s=12", "speed_m_s=13")
+
+    @pytest.mark.parametrize("tolerance", [0.0, 1.0, -1e-4, float("nan")])
+    def test_a_tolerance_that_is_no_fraction(self, tolerance):
+        with pytest.raises(UpwashError, match="between 0 and 1"):
+            job(tolerance=tolerance)
+
+    @pytest.mark.parametrize(
+        ("options", "words"),
+        [
+            (["--objective", "speed"], "cost_of_transport"),
+            (["--amplitude", "large"], "strouhal"),
+            (["--seed", "-1"], "--seed"),
+            (["--tolerance", "small"], "--tolerance"),
+            (["--set", "speed=12"], "speed_m_s"),
+            (["--set"], "--set"),
+        ],
+    )
+    def test_an_option_in_one_line_with_exit_2(self, options, words):
+        result = optimum(IBIS, *options)
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert len(result.stderr.splitlines()) == 1
+        assert words in result.stderr
