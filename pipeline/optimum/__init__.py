@@ -1,6 +1,8 @@
 """Finding the best: the scaled problem, local solves, the search and its proof, flocks."""
 
+from pipeline.optimum.flock import solve_flock
+from pipeline.optimum.flock_solution import FlockSolution
 from pipeline.optimum.pair import solve_pair
 from pipeline.optimum.solution import Optimum, PairSolution, Proof
 
-__all__ = ["Optimum", "PairSolution", "Proof", "solve_pair"]
+__all__ = ["FlockSolution", "Optimum", "PairSolution", "Proof", "solve_flock", "solve_pair"]

@@ -1,12 +1,12 @@
 """What speaks for a point being a local optimum: bounds, core edges, multipliers, stationarity, curvature.
 
-At a core edge the gradient jumps, and a point pinned there is stationary if zero lies between the gradients of
-the two sides (in the generalised gradient): the multiplier of the edge, told from inside, must lie between 0
-and minus the edge's pull.
+At a core edge the gradient jumps, and a point pinned there is stationary if zero lies between the gradients
+of the two sides (in the generalised gradient): the multiplier of the edge, told from inside, must lie between
+0 and minus the edge's pull.
 
-Where more surfaces meet than there are variables, as when a follower flaps just as far as the bird ahead and two
-core edges cross on that bound, multipliers are not unique and an edge may even be a ridge that the bound keeps
-shut.  There the point is stationary if it is so within each of the smooth pieces that meet in it.
+Where more surfaces meet than there are variables, as when a follower flaps just as far as the bird ahead and
+two core edges cross on that bound, multipliers are not unique and an edge may even be a ridge that the bound
+keeps shut.  There the point is stationary if it is so within each of the smooth pieces that meet in it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from pipeline.aero.lanes import HEIGHT, NODE
-from pipeline.aero.wake import vortex_wake
 from pipeline.optimum.edges import FILAMENTS, edge_distance, edge_pull
 from pipeline.optimum.local import SCALE, lagrangian_hessian
 from pipeline.optimum.problem import CORE2, VARIABLES, PairProblem, evaluate
@@ -44,10 +43,10 @@ class Evidence:
     multiplier_lift, multiplier_thrust : float
         Multipliers of the two balances, cost and residuals as in the scaled problem.
     stationarity : float
-        What is left of the generalised gradient of the Lagrangian, per unit of `SCALE`; 0 at a local optimum.
+        What is left of the generalised gradient of the Lagrangian, per unit of `SCALE`; 0 at an optimum.
     curvature : float or None
-        Least curvature of the Lagrangian along the directions that all active constraints leave free, per unit
-        of `SCALE` squared; None if none is left.
+        Least curvature of the Lagrangian along the directions that all active constraints leave free, per
+        unit of `SCALE` squared; None if none is left.
     """
 
     active_bounds: tuple[str, ...]
@@ -199,24 +198,12 @@ def describe_edge(problem: PairProblem, lane: int, filament: int) -> str:
     str
         For instance ``left wingtip down on left tip of downstroke ring (leader up)``.
     """
-    bird = problem.bird
-    wake = vortex_wake(
-        problem.leader_height,
-        problem.leader_upstroke_span_ratio,
-        1.0,
-        problem.wavelength,
-        1.0,
-        bird.circulation_ratio,
-        problem.model.stroke_states,
-    )
-    ring = lane % len(wake.circulation)
     height, node = problem.lanes[HEIGHT, lane], problem.lanes[NODE, lane]
     # Both wingtips are as far from a spanwise filament.
     tip = "wingtips" if filament < 2 else ("left wingtip" if node < 0 else "right wingtip")
     if filament >= 2 and abs(node) < 1.0:
         tip = f"span node {node:+.3g}"
-    stroke = "upstroke" if wake.is_upstroke[ring] else "downstroke"
     states = {0.5: "up", -0.5: "down"}
     follower = states.get(float(height), f"at {height:+.3g} h")
-    leader = ("up", "down")[wake.state[ring]] if problem.model.stroke_states == 2 else str(wake.state[ring])
-    return f"{tip} {follower} on {FILAMENTS[filament]} of {stroke} ring (leader {leader})"
+    ring = lane % len(problem.wake().circulation)
+    return f"{tip} {follower} on {FILAMENTS[filament]} of {problem.ring_name(ring)}"

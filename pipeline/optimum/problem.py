@@ -18,7 +18,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from pipeline.aero.bird import Bird
-from pipeline.aero.interaction import phase_piece, state_circulation_ratio
+from pipeline.aero.interaction import phase_piece, state_circulation_ratio, wake_force
 from pipeline.aero.lanes import wake_force_jacobian, wake_lanes
 from pipeline.aero.power import (
     COST_FUNCTIONS,
@@ -26,7 +26,7 @@ from pipeline.aero.power import (
     induced_power_w,
     parasite_power_w,
 )
-from pipeline.aero.wake import WakeModel, vortex_wake
+from pipeline.aero.wake import Wake, WakeModel, vortex_wake
 
 VARIABLES = ("x", "y", "z", "h", "R", "mu")
 """Names of the six variables, in order, as they appear in `active_bounds`."""
@@ -134,21 +134,45 @@ class PairProblem:
             return 0.5 - coordinate
         return (self.piece / self.model.stroke_states + coordinate) % 1.0
 
-    def _lanes(self) -> NDArray[np.float64]:
-        bird, states = self.bird, self.model.stroke_states
-        wake = vortex_wake(
+    def wake(self) -> Wake:
+        """Vortex rings that the follower feels, in semispans; their states are the rows of `phase_ramp`."""
+        return vortex_wake(
             self.leader_height,
             self.leader_upstroke_span_ratio,
             1.0,
             self.wavelength,
-            bird.circulation_m2_s / bird.semispan_m,
-            bird.circulation_ratio,
-            states,
+            self.bird.circulation_m2_s / self.bird.semispan_m,
+            self.bird.circulation_ratio,
+            self.model.stroke_states,
         )
-        steady, sliding = phase_piece(self.piece, states)
+
+    def phase_ramp(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Phase weights β₀ and β₁ of the wake's states (rows) and the follower's, linear in the coordinate."""
+        return phase_piece(self.piece, self.model.stroke_states)
+
+    def phase_span(self) -> float:
+        """Greatest phase coordinate."""
+        return 1.0 / self.model.stroke_states
+
+    def ring_name(self, ring: int) -> str:
+        """Name a ring of `wake`."""
+        wake = self.wake()
+        stroke, state = "upstroke" if wake.is_upstroke[ring] else "downstroke", wake.state[ring]
+        leader = ("up", "down")[state] if self.model.stroke_states == 2 else str(state)
+        return f"{stroke} ring (leader {leader})"
+
+    def wake_force_n(
+        self, position_m: tuple[float, float, float], amplitude_m: float, span_ratio: float, phase: float
+    ) -> tuple[float, float]:
+        """Lift and thrust of the wake on a follower, in N, by the plain statement of the model."""
+        ahead = self.leader_amplitude_m, self.leader_upstroke_span_ratio
+        return wake_force(self.bird, *ahead, position_m, amplitude_m, span_ratio, phase, self.model)
+
+    def _lanes(self) -> NDArray[np.float64]:
+        bird, states = self.bird, self.model.stroke_states
         unit = 2.0 * bird.density_kg_m3 * bird.semispan_m * bird.circulation_m2_s / bird.weight_n
         follower = np.array([unit * state_circulation_ratio(bird, k, states) for k in range(states)])
-        return wake_lanes(wake, steady, sliding, follower, states, self.model.span_nodes)
+        return wake_lanes(self.wake(), *self.phase_ramp(), follower, states, self.model.span_nodes)
 
     def _constants(self) -> NDArray[np.float64]:
         bird, cost = self.bird, self.cost_function
@@ -177,7 +201,7 @@ class PairProblem:
                 [-self.leader_height, self.leader_height],
                 [LEAST_AMPLITUDE * limit, limit],
                 list(SPAN_RATIO_BOUNDS),
-                [0.0, 1.0 / self.model.stroke_states],
+                [0.0, self.phase_span()],
             ]
         )
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from pipeline.aero.interaction import wake_force
 from pipeline.aero.power import induced_power_w, parasite_power_w, profile_power_w
 from pipeline.optimum.evidence import Evidence, describe_edge
 from pipeline.optimum.problem import ASTERN, LEVEL, OUTBOARD, PairProblem
@@ -87,9 +86,10 @@ class Proof:
     Attributes
     ----------
     v_lower_bound, global_lower_bound : float
-        Costs below which no V formation, and no follower at all, can fly; infinite if none can.
+        Costs below which no V formation, and no follower at all, can fly; infinite if none can.  The second is None
+        if it was not asked for.
     v_certified_gap, global_certified_gap : float or None
-        Cost of the best optimum found over the bound, less 1; None if there is no such optimum.
+        Cost of the best optimum found over the bound, less 1; None if there is no such optimum or no bound.
     certificate_boxes : int
         Boxes examined.
     v_wall : str
@@ -102,7 +102,7 @@ class Proof:
 
     v_lower_bound: float
     v_certified_gap: float | None
-    global_lower_bound: float
+    global_lower_bound: float | None
     global_certified_gap: float | None
     certificate_boxes: int
     v_wall: str
@@ -184,16 +184,7 @@ def describe_optimum(
     bird, b = problem.bird, problem.bird.semispan_m
     x, y, z, amplitude, ratio, coordinate = (float(value) for value in basin.point)
     phase = problem.phase(coordinate)
-    lift_wake, thrust_wake = wake_force(
-        bird,
-        problem.leader_amplitude_m,
-        problem.leader_upstroke_span_ratio,
-        (x * b, y * b, z * b),
-        amplitude * b,
-        ratio,
-        phase,
-        problem.model,
-    )
+    lift_wake, thrust_wake = problem.wake_force_n((x * b, y * b, z * b), amplitude * b, ratio, phase)
     lift, thrust = bird.lift_n(ratio), bird.thrust_n(amplitude * b, ratio)
     own = induced_power_w(bird, lift), profile_power_w(bird, thrust), parasite_power_w(bird)
     alone = (

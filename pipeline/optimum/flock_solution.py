@@ -1,0 +1,146 @@
+"""What a flock is once it is solved: where and how each bird flies, and what it spends."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+from pipeline.aero.bird import Bird
+from pipeline.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+from pipeline.optimum.flock_wake import Place
+from pipeline.optimum.solution import Optimum, Proof
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Member:
+    """One bird of a flock.
+
+    Attributes
+    ----------
+    number, leader : int
+        Its number, 1 the first, and that of the bird it follows, 0 for none.
+    place : Place or None
+        Where and how it flies; None if there is nowhere.
+    optimum : Optimum or None
+        Its V optimum, relative to the bird it follows; None for the first bird, and where there is none.
+    proof : Proof or None
+        What was shown of its problem; None for the first bird.
+    solve_time_s : float
+        Wall time of its solution, in s.
+    error : str
+        Why it has no place, or "".
+    """
+
+    number: int
+    leader: int
+    place: Place | None
+    optimum: Optimum | None = None
+    proof: Proof | None = None
+    solve_time_s: float = 0.0
+    error: str = ""
+
+
+@dataclass(frozen=True)
+class FlockSolution:
+    """A flock, bird by bird from the front.
+
+    Attributes
+    ----------
+    bird : Bird
+        The first bird, which sets weight, drag and circulation for all.
+    objective, reading, shape, wake : str
+        What was least for each bird, and how the flock is built.
+    wavelengths : int
+        Length of each wake.
+    members : tuple of Member
+        The birds, the first one included.  If there is no place for one, it is the last.
+    """
+
+    bird: Bird
+    objective: str
+    reading: str
+    shape: str
+    wake: str
+    wavelengths: int
+    members: tuple[Member, ...]
+
+    @property
+    def placed(self) -> tuple[Member, ...]:
+        """The birds that have a place."""
+        return tuple(one for one in self.members if one.place is not None)
+
+    def powers_w(self) -> list[tuple[float, float, float]]:
+        """Induced, profile and parasite power of each bird that has a place, in W."""
+        found = []
+        for one in self.placed:
+            assert one.place is not None
+            ratio = one.place.upstroke_span_ratio
+            lift, thrust = self.bird.lift_n(ratio), self.bird.thrust_n(one.place.amplitude_m, ratio)
+            found.append(
+                (
+                    induced_power_w(self.bird, lift),
+                    profile_power_w(self.bird, thrust),
+                    parasite_power_w(self.bird),
+                )
+            )
+        return found
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return one dictionary per bird, by the columns of the results."""
+        return [self._row(one) for one in self.members]
+
+    def frame(self) -> pd.DataFrame:
+        """Return the rows as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def _row(self, one: Member) -> dict[str, Any]:
+        row: dict[str, Any] = {"status": "solved", "error": None, "bird": one.number}
+        row["leader"] = one.leader or None
+        ahead = self.members[one.leader - 1].place if one.leader else one.place
+        if ahead is not None:
+            row["leader_amplitude_m"] = ahead.amplitude_m
+            row["leader_upstroke_span_ratio"] = ahead.upstroke_span_ratio
+        if one.proof is not None:
+            row |= {f.name: getattr(one.proof, f.name) for f in fields(Proof) if f.name != "is_closed"}
+            row["solve_time_s"] = one.solve_time_s
+        if one.place is None:
+            return row | {"status": "infeasible", "error": one.error}
+        row |= {f"{axis}_flock_m": getattr(one.place, f"{axis}_m") for axis in "xyz"}
+        row["phase_flock"] = one.place.phase
+        return row | (asdict(one.optimum) if one.optimum else lone_columns(self.bird, self.objective))
+
+
+def lone_columns(bird: Bird, objective: str) -> dict[str, Any]:
+    """Return what the columns of the results are for a bird that follows none."""
+    powers = (
+        induced_power_w(bird, bird.weight_n),
+        profile_power_w(bird, bird.drag_n),
+        parasite_power_w(bird),
+    )
+    cost = COST_FUNCTIONS[objective].value(bird, bird.weight_n, bird.drag_n)
+    row: dict[str, Any] = {
+        "amplitude_m": bird.amplitude_m,
+        "upstroke_span_ratio": bird.upstroke_span_ratio,
+        "weight_n": bird.weight_n,
+        "drag_n": bird.drag_n,
+        "lift_self_n": bird.lift_n(bird.upstroke_span_ratio),
+        "thrust_self_n": bird.thrust_n(bird.amplitude_m, bird.upstroke_span_ratio),
+        "lift_wake_n": 0.0,
+        "thrust_wake_n": 0.0,
+        "saving_induced": 0.0,
+        "saving_profile": 0.0,
+        "saving_total": 0.0,
+        "cost": cost,
+        "cost_leader": cost,
+    }
+    row["residual_lift"] = row["lift_self_n"] / bird.weight_n - 1.0
+    row["residual_thrust"] = row["thrust_self_n"] / bird.drag_n - 1.0
+    for name, power in zip(("induced", "profile", "parasite"), powers, strict=True):
+        row[f"power_{name}_w"] = row[f"leader_power_{name}_w"] = power
+    row["power_total_w"] = row["leader_power_total_w"] = sum(powers)
+    return row
