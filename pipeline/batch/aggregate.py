@@ -15,7 +15,7 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from pipeline.batch.folder import RETIRED, SUMMARY, Plan, ResultsFolder, sync
+from pipeline.batch.folder import RETIRED, SUMMARY, Plan, ResultsFolder
 from pipeline.batch.index import Index
 from pipeline.batch.mend import verified_index
 from pipeline.batch.store import (
@@ -28,11 +28,12 @@ from pipeline.batch.store import (
     open_table,
     read_table,
     replacing,
+    sync,
 )
 from pipeline.batch.summary import summary_of
 from pipeline.errors import UpwashError
 
-JOBS_PER_PIECE = 2000
+JOBS_PER_PIECE = 1000
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ Nothing here believes what a solver said of itself: forces, powers, costs and la
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -161,14 +161,16 @@ def of_rows(rows: Sequence[Row], place: str, all_optima: bool = True) -> list[Fi
         Whether these are all of the job's optima, and not its summary.
     """
     where = f"job {rows[0]['job_id']}"
-    checks = [*OF_A_JOB, *(ranks if rows[0]["kind"] == "pair" else chain,)] if all_optima else OF_A_JOB
-    findings = [
-        Finding(where, column, f"{message} ({place})") for one in checks for column, message in one(rows)
-    ]
-    # What is absent or impossible in form cannot be computed with.
-    if findings or (not all_optima and rows[0]["rank"] is None):
-        return findings
-    return [Finding(where, column, f"{message} ({place})") for column, message in recomputed(rows)]
+
+    def findings(checks: Iterable[Check]) -> list[Finding]:
+        return [Finding(where, name, f"{message} ({place})") for one in checks for name, message in one(rows)]
+
+    # What is absent or not finite cannot be computed with.
+    wrong = findings(FORM)
+    if wrong or rows[0]["rank"] is None:
+        return wrong
+    whole = (ranks if rows[0]["kind"] == "pair" else chain,) if all_optima else ()
+    return findings((*CONTENT, *whole))
 
 
 def identity(rows: Sequence[Row]) -> Complaints:
@@ -210,7 +212,7 @@ def residuals(rows: Sequence[Row]) -> Complaints:
     """Lift and thrust balance."""
     for row in rows:
         for name in ("residual_lift", "residual_thrust"):
-            if row[name] is not None and not abs(row[name]) <= RESIDUAL_LIMIT:
+            if abs(row[name] or 0.0) > RESIDUAL_LIMIT:
                 yield name, f"expected at most {RESIDUAL_LIMIT:g}, found {row[name]:.3g}"
 
 
@@ -244,8 +246,6 @@ def certificates(rows: Sequence[Row]) -> Complaints:
 
 def ranks(rows: Sequence[Row]) -> Complaints:
     """Optima are ranked by cost; the first is the global one, the best of the V formations the V optimum."""
-    if rows[0]["rank"] is None:
-        return
     best_v = next((row["rank"] for row in rows if _is_v_formation(row)), None)
     for number, row in enumerate(rows):
         if row["rank"] != number:
@@ -293,11 +293,6 @@ def _is_v_formation(row: Row) -> bool:
     return (row["placement"], row["tier"], row["station"]) == ("outboard", "level", "astern")
 
 
-OF_A_JOB: tuple[Callable[[Sequence[Row]], Complaints], ...] = (
-    identity,
-    outcome,
-    numbers,
-    residuals,
-    bounds,
-    certificates,
-)
+Check = Callable[[Sequence[Row]], Complaints]
+FORM: tuple[Check, ...] = (identity, outcome, numbers)
+CONTENT: tuple[Check, ...] = (residuals, bounds, certificates, recomputed)

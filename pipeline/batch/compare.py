@@ -166,7 +166,7 @@ def _difference(left: pa.Table, right: pa.Table, column: of.Column) -> Differenc
 
 
 def excess(first: Sequence[Any], second: Sequence[Any], column: of.Column) -> NDArray[np.float64]:
-    """Return by how much values disagree beyond what the column allows; 0 or less where they agree.
+    """Return by how much values disagree beyond what the column allows; 0 where they agree.
 
     A value and its absence, or two texts, disagree by infinity.
     """
@@ -180,4 +180,4 @@ def excess(first: Sequence[Any], second: Sequence[Any], column: of.Column) -> ND
     with np.errstate(invalid="ignore"):
         off = np.abs(a - b) - agreement.absolute - agreement.relative * np.maximum(np.abs(a), np.abs(b))
     one_absent = np.isnan(a) != np.isnan(b)
-    return np.where(one_absent, np.inf, np.where(np.isnan(off), 0.0, off))
+    return np.where(one_absent, np.inf, np.nan_to_num(np.maximum(off, 0.0)))

@@ -302,12 +302,3 @@ def journal_line(job_id: str, entry: Entry) -> str:
     cause = re.sub(r"[,\s]+", " ", entry.cause)
     numbers = f"{entry.seconds:.6f},{entry.size},{entry.checksum},{entry.time:.3f}"
     return f"{job_id},{entry.status},{numbers},{cause}\n"
-
-
-def sync(folder: Path) -> None:
-    """Put a folder's list of files on the disk, so that a rename outlives a power cut."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

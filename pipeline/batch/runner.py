@@ -20,13 +20,13 @@ from typing import IO, TYPE_CHECKING, Any, TextIO
 from joblib import Parallel, delayed
 
 from pipeline.batch import columns as of
-from pipeline.batch.folder import Entry, Plan, ResultsFolder, Shard, journal_line, sync
+from pipeline.batch.folder import Entry, Plan, ResultsFolder, Shard, journal_line
 from pipeline.batch.index import Index, Known, read_index
 from pipeline.batch.job import Result, encode, failed_rows, run_batch
 from pipeline.batch.mend import verified_index
 from pipeline.batch.progress import Progress
 from pipeline.batch.selection import in_shard, is_to_run
-from pipeline.batch.store import write_atomic
+from pipeline.batch.store import sync, write_atomic
 from pipeline.batch.workers import LOKY, workers
 
 if TYPE_CHECKING:
@@ -36,6 +36,9 @@ BATCH_S = 0.25
 """A batch of cheap jobs lasts about so long: long against the cost of handing it over, short to lose."""
 
 MAX_BATCH = 1000
+
+FLUSH_S = 0.05
+"""Results that took longer are put on the disk at once; that takes milliseconds."""
 
 KILLED = (
     "WorkerKilled: the worker was killed twice, the second time with no other job at work; out of memory?"
@@ -267,7 +270,8 @@ class _Run:
             self.journal.write(journal_line(result.job_id, entry))
         except OSError as error:
             raise self.folder.cannot("write there", error) from error
-        write_atomic(self.folder.job_file(result.job_id), result.data)
+        # A cheap result that a power cut tears is noticed by its checksum, and soon redone.
+        write_atomic(self.folder.job_file(result.job_id), result.data, flush=result.seconds > FLUSH_S)
         self.tally.done += 1
         self.tally.failed += result.status == of.FAILED
         self.progress.finished(result.job_id, result.status, result.error)

@@ -141,17 +141,42 @@ def remove_temporary(folder: Path) -> None:
         path.unlink()
 
 
-def write_atomic(path: Path, data: bytes) -> None:
-    """Write a file so that it is there whole or not at all, even if the power fails."""
+def write_atomic(path: Path, data: bytes, flush: bool = True) -> None:
+    """Write a file so that it is there whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    data : bytes
+        Its content.
+    flush : bool
+        Whether to wait until the disk has it, so that this holds even if the power fails.
+
+    Raises
+    ------
+    UpwashError
+        If it cannot be written; nothing is left behind.
+    """
     with replacing(path) as unfinished:
         descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
         try:
             # A write to a disk that is nearly full may be short.
             while data:
                 data = data[os.write(descriptor, data) :]
-            os.fsync(descriptor)
+            if flush:
+                os.fsync(descriptor)
         finally:
             os.close(descriptor)
+
+
+def sync(path: Path) -> None:
+    """Put a file, or a folder's list of files, on the disk, so that it outlives a power cut."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
 
 
 @contextmanager
@@ -204,11 +229,7 @@ class TableWriter:
         schema = base64.b64encode(self.schema.with_metadata(metadata).serialize().to_pybytes())
         self.writer.add_key_value_metadata({**metadata, "ARROW:schema": schema.decode()})
         self.writer.close()
-        descriptor = os.open(self.path, os.O_RDONLY)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
+        sync(self.path)
 
 
 @contextmanager

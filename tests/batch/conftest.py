@@ -141,3 +141,12 @@ def undisturbed(tmp_path_factory, logs):
     bench.run()
     bench("aggregate", "results/sweep")
     return bench.summary()
+
+
+@pytest.fixture(scope="session")
+def reproduced(tmp_path_factory, logs):
+    """The results folder of the paper's pair, solved by the real solver and gathered; not to be changed."""
+    bench = Bench(tmp_path_factory.mktemp("paper"), logs)
+    bench("run", "reproduce")
+    bench("aggregate", "results/reproduce")
+    return bench.folder / "results" / "reproduce"

@@ -144,7 +144,8 @@ class TestWriting:
     def test_a_disk_that_is_full_costs_one_clear_line_and_leaves_nothing_behind(self, tmp_path):
         # A limit on the size of files stands in for the disk: writing beyond it fails half way.
         script = (
-            "import resource, signal\nfrom pathlib import Path\nfrom pipeline.batch.store import write_atomic\n"
+            "import resource, signal\nfrom pathlib import Path\n"
+            "from pipeline.batch.store import write_atomic\n"
             "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
             "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
             "write_atomic(Path('small'), b'x' * 1000)\n"
