@@ -193,7 +193,8 @@ FLOCK_PLACE = (
 
 SUMMARY_ONLY = (
     Column("v_gap", "1", "cost of the V optimum over that of the global optimum, less 1"),
-    Column("optima_found", "1", "distinct optima of the job", INTEGER, EXACT),
+    # Of the dearest, which few starts reach, a last digit decides whether one is met.
+    Column("optima_found", "1", "distinct optima of the job", INTEGER, MEASURED),
 )
 FLOCK_SUMMARY_ONLY = (
     Column("birds_placed", "1", "birds that found their place", INTEGER, EXACT),
