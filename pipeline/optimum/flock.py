@@ -11,14 +11,13 @@ ahead (`immediate`) or as that of a lone bird (`lone`).  The two give different 
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
 from functools import lru_cache
 
 from pipeline.aero.bird import Bird
 from pipeline.aero.power import COST_FUNCTIONS
 from pipeline.aero.wake import WakeModel
-from pipeline.optimum.flock_solution import FlockSolution, Member
+from pipeline.optimum.flock_solution import FlockSolution, Member, on_side
 from pipeline.optimum.flock_wake import Place, flock_problems
 from pipeline.optimum.pair import solve_pair
 from pipeline.optimum.pieces import solve_pieces
@@ -98,15 +97,15 @@ def solve_flock(
             raise ValueError(f"{name}: expected a whole number of at least {least}, found {number!r}")
     first = Place(0, 0.0, 0.0, 0.0, bird.amplitude_m, bird.upstroke_span_ratio, 0.0)
     members = [Member(1, 0, first)]
-    settings = (model or WakeModel(), seed, tolerance)
+    model = model or WakeModel()
     while len(members) < birds and members[-1].place is not None:
         number = len(members) + 1
         leader, side = leader_of(number, shape), side_of(number, shape)
         ahead = _felt(members, number, shape, wake)
         limit = (first if reading == "lone" else ahead[-1]).amplitude_m
-        solution = _solve_link(bird, objective, ahead, wavelengths, limit, *settings)
+        solution = _solve_link(bird, objective, ahead, wavelengths, limit, model, seed, tolerance)
         members.append(_settle(number, leader, ahead[-1], side, solution))
-    return FlockSolution(bird, objective, reading, shape, wake, wavelengths, tuple(members))
+    return FlockSolution(bird, objective, reading, shape, wake, wavelengths, model, tuple(members))
 
 
 def leader_of(number: int, shape: str) -> int:
@@ -124,16 +123,25 @@ def row_of(number: int, shape: str) -> int:
     return number // 2 if shape == "vee" else number - 1
 
 
+def felt_by(number: int, shape: str, wake: str) -> list[int]:
+    """Return the numbers of the birds whose wakes a bird feels, the one that it follows last.
+
+    Of the others those on the bird's own side come before those on the other, so that the order mirrors as
+    the birds do.
+    """
+    leader = leader_of(number, shape)
+    if wake == "neighbour":
+        return [leader]
+    ahead = [one for one in range(1, number) if row_of(one, shape) < row_of(number, shape) and one != leader]
+    return [*sorted(ahead, key=lambda one: (row_of(one, shape), (one - number) % 2)), leader]
+
+
 def _felt(members: list[Member], number: int, shape: str, wake: str) -> tuple[Place, ...]:
     """Return the birds whose wakes a bird feels, its leader last; mirrored for one that flies to the left."""
-    places = {one.number: one.place for one in members if one.place is not None}
+    ahead = [members[one - 1].place for one in felt_by(number, shape, wake)]
     if side_of(number, shape) < 0.0:
-        places = {one: place.mirrored() for one, place in places.items()}
-    followed = places.pop(leader_of(number, shape))
-    if wake == "neighbour":
-        return (followed,)
-    ahead = [place for place in places.values() if place.row < row_of(number, shape)]
-    return (*sorted(ahead, key=lambda place: (place.row, place.y_m)), followed)
+        return tuple(place.mirrored() for place in ahead if place)
+    return tuple(place for place in ahead if place)
 
 
 def _solve_link(
@@ -213,13 +221,7 @@ def _settle(number: int, leader: int, followed: Place, side: float, solution: Pa
     )
     if side < 0.0:
         place = place.mirrored()
-        best = replace(best, y_m=0.0 - best.y_m, core_edges=_swapped(best.core_edges))
-    return Member(number, leader, place, best, solution.proof, solution.solve_time_s)
-
-
-def _swapped(core_edges: str) -> str:
-    """Exchange left and right in the names of core edges."""
-    return re.sub("left|right", lambda found: "right" if found[0] == "left" else "left", core_edges)
+    return Member(number, leader, place, on_side(best, side), solution.proof, solution.solve_time_s)
 
 
 def _why_none(leader: int, solution: PairSolution) -> str:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+import re
+from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from pipeline.aero.bird import Bird
 from pipeline.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+from pipeline.aero.wake import WakeModel
 from pipeline.optimum.flock_wake import Place
 from pipeline.optimum.solution import Optimum, Proof
 
@@ -55,6 +57,8 @@ class FlockSolution:
         What was least for each bird, and how the flock is built.
     wavelengths : int
         Length of each wake.
+    model : WakeModel
+        Resolution of the wakes.
     members : tuple of Member
         The birds, the first one included.  If there is no place for one, it is the last.
     """
@@ -65,6 +69,7 @@ class FlockSolution:
     shape: str
     wake: str
     wavelengths: int
+    model: WakeModel
     members: tuple[Member, ...]
 
     @property
@@ -72,21 +77,17 @@ class FlockSolution:
         """The birds that have a place."""
         return tuple(one for one in self.members if one.place is not None)
 
-    def powers_w(self) -> list[tuple[float, float, float]]:
-        """Induced, profile and parasite power of each bird that has a place, in W."""
-        found = []
-        for one in self.placed:
-            assert one.place is not None
-            ratio = one.place.upstroke_span_ratio
-            lift, thrust = self.bird.lift_n(ratio), self.bird.thrust_n(one.place.amplitude_m, ratio)
-            found.append(
-                (
-                    induced_power_w(self.bird, lift),
-                    profile_power_w(self.bird, thrust),
-                    parasite_power_w(self.bird),
-                )
-            )
-        return found
+    def total_cost(self) -> float:
+        """Sum of the costs of the birds that have a place, the first one included."""
+        alone = COST_FUNCTIONS[self.objective].value(self.bird, self.bird.weight_n, self.bird.drag_n)
+        return alone + sum(one.optimum.cost for one in self.placed if one.optimum)
+
+    def worst_residual(self) -> float:
+        """Largest imbalance of any bird, over weight or drag."""
+        optima = [one.optimum for one in self.placed if one.optimum]
+        return max(
+            (abs(value) for one in optima for value in (one.residual_lift, one.residual_thrust)), default=0.0
+        )
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one dictionary per bird, by the columns of the results."""
@@ -113,6 +114,16 @@ class FlockSolution:
         row |= {f"{axis}_flock_m": getattr(one.place, f"{axis}_m") for axis in "xyz"}
         row["phase_flock"] = one.place.phase
         return row | (asdict(one.optimum) if one.optimum else lone_columns(self.bird, self.objective))
+
+
+def on_side(optimum: Optimum, side: float) -> Optimum:
+    """Return an optimum to the right of the bird ahead as it is on a side: 1 right, −1 left."""
+    if side > 0.0:
+        return optimum
+    exchanged = re.sub(
+        "left|right", lambda found: {"left": "right"}.get(found[0], "left"), optimum.core_edges
+    )
+    return replace(optimum, y_m=0.0 - optimum.y_m, core_edges=exchanged)
 
 
 def lone_columns(bird: Bird, objective: str) -> dict[str, Any]:

@@ -8,14 +8,16 @@ follower is in phase or in antiphase with it, and the problem is posed once betw
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.aero.bird import Bird
 from pipeline.aero.interaction import phase_weights, wake_force
-from pipeline.aero.wake import Wake, vortex_wake
+from pipeline.aero.wake import Wake, WakeModel, vortex_wake
 from pipeline.optimum.problem import PairProblem
 
 SAME_PHASE = 1e-12
@@ -94,13 +96,7 @@ class FlockProblem(PairProblem):
 
     def wake(self) -> Wake:
         """Rings of every bird ahead, bird by bird; their states are numbered on from bird to bird."""
-        wakes = [self._wake_of(number) for number in range(len(self.ahead))]
-        return Wake(
-            np.concatenate([one.rings for one in wakes]),
-            np.concatenate([one.circulation for one in wakes]),
-            np.concatenate([one.state for one in wakes]),
-            np.concatenate([one.is_upstroke for one in wakes]),
-        )
+        return superposed_wake(self.bird, self.ahead, self.wavelengths, self.model)
 
     def ring_name(self, ring: int) -> str:
         """Name a ring of `wake`, and where the bird that shed it flies."""
@@ -133,27 +129,47 @@ class FlockProblem(PairProblem):
                 lift, thrust = lift + force[0], thrust + force[1]
         return lift, thrust
 
-    def _wake_of(self, number: int) -> Wake:
-        bird, b, one, last = self.bird, self.bird.semispan_m, self.ahead[number], self.ahead[-1]
+
+def superposed_wake(bird: Bird, ahead: Sequence[Place], wavelengths: int, model: WakeModel) -> Wake:
+    """Return the rings of several birds, in semispans and relative to the last of them.
+
+    Parameters
+    ----------
+    bird : Bird
+        The bird that sets circulation, semispan and wavelength.
+    ahead : sequence of Place
+        Where the birds fly, and how they flap.
+    wavelengths : int
+        Length of each wake: further downstream the frozen pattern repeats itself.
+    model : WakeModel
+        Resolution.
+
+    Returns
+    -------
+    Wake
+        Bird by bird; the states of the second are numbered on from those of the first, and so forth.
+    """
+    b, last = bird.semispan_m, ahead[-1]
+    wavelength, states = bird.wavelength_m / b, model.stroke_states
+    rings, circulation, state, is_upstroke = [], [], [], []
+    for number, one in enumerate(ahead):
         wake = vortex_wake(
             one.amplitude_m / b,
             one.upstroke_span_ratio,
             1.0,
-            self.wavelength,
+            wavelength,
             bird.circulation_m2_s / b,
             bird.circulation_ratio,
-            self.model.stroke_states,
+            states,
         )
-        x, y, z = ((one.x_m - last.x_m) / b, (one.y_m - last.y_m) / b, (one.z_m - last.z_m) / b)
-        # Further downstream the frozen pattern repeats itself.
-        shifts = [x + k * self.wavelength for k in range(self.wavelengths)]
-        rings = [wake.rings + np.array([shift, shift, z, z, y, 0.0]) for shift in shifts]
-        return Wake(
-            np.concatenate(rings),
-            np.tile(wake.circulation, self.wavelengths),
-            np.tile(wake.state, self.wavelengths) + number * self.model.stroke_states,
-            np.tile(wake.is_upstroke, self.wavelengths),
-        )
+        x, y, z = (one.x_m - last.x_m) / b, (one.y_m - last.y_m) / b, (one.z_m - last.z_m) / b
+        for repeat in range(wavelengths):
+            shift = x + repeat * wavelength
+            rings.append(wake.rings + np.array([shift, shift, z, z, y, 0.0]))
+            circulation.append(wake.circulation)
+            state.append(wake.state + number * states)
+            is_upstroke.append(wake.is_upstroke)
+    return Wake(*(np.concatenate(parts) for parts in (rings, circulation, state, is_upstroke)))
 
 
 def flock_problems(ahead: tuple[Place, ...], wavelengths: int, **pair: Any) -> list[FlockProblem]:
