@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from numbers import Real
 
 _POSITIVE = "a positive, finite number"
 _RATIO = "a ratio strictly between 0 and 1"
@@ -60,11 +61,10 @@ class Bird:
             value = getattr(self, field.name)
             is_ratio = field.name == "upstroke_span_ratio"
             expected = _RATIO if is_ratio else _POSITIVE
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
+            number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
+            if not (math.isfinite(number) and 0.0 < number and (number < 1.0 or not is_ratio)):
                 raise ValueError(f"{field.name}: expected {expected}, found {value!r}")
-            if not (math.isfinite(value) and 0.0 < value and (value < 1.0 or not is_ratio)):
-                raise ValueError(f"{field.name}: expected {expected}, found {value!r}")
-            object.__setattr__(self, field.name, float(value))
+            object.__setattr__(self, field.name, number)
         if self.amplitude_m > 2.0 * self.semispan_m:
             raise ValueError(
                 f"amplitude_m: expected at most twice the semispan ({2.0 * self.semispan_m:g} m, a half-angle of 90°), "
@@ -103,7 +103,7 @@ class Bird:
         return math.pi / 4.0 + self.circulation_ratio * upstroke_span_ratio
 
     def thrust_span(self, upstroke_span_ratio: float) -> float:
-        """Span that carries thrust, in semispans and weighted by circulation: π/2 of downstroke less 2 R of upstroke."""
+        """Span that carries thrust, in semispans, by circulation: π/2 of downstroke less 2 R of upstroke."""
         return math.pi / 2.0 - 2.0 * self.circulation_ratio * upstroke_span_ratio
 
     def vertical_impulse_n_s(self, upstroke_span_ratio: float) -> float:

@@ -121,7 +121,7 @@ def force_map(
     second: ArrayLike,
     model: WakeModel | None = None,
 ) -> ForceMap:
-    """Return a follower's net lift and thrust over a plane through a place (total_follower_force).
+    """Return a follower's net lift and thrust over a plane through a place.
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
 """What flight costs: induced, profile and parasite power, and the cost functions an optimisation may minimise.
 
 Every cost function is a sum, with weights that are not negative, of four parts: the magnitude of the
-self-generated force and the three powers.  Each part is convex in (lift, thrust) and none falls as thrust rises,
-so each cost function is too; the proof of an optimum rests on that.  A new one is one line in `COST_FUNCTIONS`.
+self-generated force and the three powers.  Each part is convex in (lift, thrust) and, where neither is negative,
+rises with both, so each cost function does too; the proof of an optimum rests on that.  A new one is one line in
+`COST_FUNCTIONS`.
 """
 
 from __future__ import annotations
@@ -29,10 +30,7 @@ def induced_power_w(bird: Bird, lift_n: float) -> float:
     """Power to make lift, in W, for a time-averaged self-generated lift in N (induced_power)."""
     wingspan = 2.0 * bird.semispan_m
     return (
-        2.0
-        * INDUCED_POWER_FACTOR
-        * lift_n**2
-        / (wingspan**2 * math.pi * bird.density_kg_m3 * bird.speed_m_s)
+        2.0 * INDUCED_POWER_FACTOR * lift_n**2 / (wingspan**2 * math.pi * bird.density_kg_m3 * bird.speed_m_s)
     )
 
 

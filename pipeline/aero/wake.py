@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Integral, Real
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,11 +50,17 @@ class WakeModel:
     span_nodes: int = 2
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.core_radius_ratio) and self.core_radius_ratio > 0.0):
-            raise ValueError(f"core_radius_ratio: expected a positive number, found {self.core_radius_ratio!r}")
+        ratio = self.core_radius_ratio
+        if (
+            isinstance(ratio, bool)
+            or not isinstance(ratio, Real)
+            or not (math.isfinite(ratio) and ratio > 0.0)
+        ):
+            raise ValueError(f"core_radius_ratio: expected a positive number, found {ratio!r}")
         for name in ("stroke_states", "span_nodes"):
-            if getattr(self, name) < 2:
-                raise ValueError(f"{name}: expected a whole number of at least 2, found {getattr(self, name)!r}")
+            count = getattr(self, name)
+            if isinstance(count, bool) or not isinstance(count, Integral) or count < 2:
+                raise ValueError(f"{name}: expected a whole number of at least 2, found {count!r}")
 
 
 @dataclass(frozen=True)

@@ -46,7 +46,7 @@ from pipeline.optimum.problem import (
 MARGIN = 1e-9
 """A box is cleared only if its bound exceeds the threshold by this much (costs are near 1)."""
 
-MOST_BOXES = 1_000_000
+MOST_BOXES = 400_000
 """Default budget of boxes."""
 
 TINY = 1e-5
@@ -262,9 +262,7 @@ def _ascend(relaxation, product, widths, nu, threshold, work):
             if direction == 0:
                 d_lift, d_thrust = relaxation[1, 0], relaxation[2, 0]
                 for i in range(6):
-                    slope = (
-                        relaxation[0, 1 + i] + nu[0] * relaxation[1, 1 + i] + nu[1] * relaxation[2, 1 + i]
-                    )
+                    slope = relaxation[0, 1 + i] + nu[0] * relaxation[1, 1 + i] + nu[1] * relaxation[2, 1 + i]
                     sign = 1.0 if slope > 0.0 else -1.0
                     d_lift -= sign * relaxation[1, 1 + i] * widths[i]
                     d_thrust -= sign * relaxation[2, 1 + i] * widths[i]
@@ -345,6 +343,16 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
     while True:
         if not _couple(low, high, limits):
             return CLEARED, np.inf
+        # Own lift and thrust alone cost this much: decisive where a follower rests on the least amplitude and span.
+        amplitude = max(low[2] - high[3], limits[2])
+        own, _, _ = cost_of(
+            constants[LIFT_FIXED] + constants[LIFT_RATIO] * low[4],
+            amplitude * (constants[THRUST_FIXED] + constants[THRUST_RATIO] * high[4]),
+            constants,
+        )
+        bound = max(bound, own)
+        if bound > threshold + MARGIN:
+            return CLEARED, bound
         before = 1.0
         for i in range(6):
             widths[i] = 0.5 * (high[i] - low[i])

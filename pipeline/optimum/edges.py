@@ -160,7 +160,7 @@ def distinct_edges(
     scratch = np.empty(6)
     known: dict[tuple[float, ...], int] = {}
     group = np.empty((4, lanes.shape[1]), dtype=np.int64)
-    representative = []
+    representative: list[tuple[int, int]] = []
     for lane in range(lanes.shape[1]):
         for filament in range(4):
             distances = (edge_distance(point, lanes, core2, lane, filament, scratch) for point in points)

@@ -62,7 +62,11 @@ def _enclose_strength(
     u0, u1 = p0 * per_n0, p1 * per_n1
     c0, c1 = u0 * per_n0 * per_n0, u1 * per_n1 * per_n1
     change = per_n0 - per_n1
-    ux, uy, uz = ax * change - c0 * x0 + c1 * x1, ay * change - c0 * y0 + c1 * y1, az * change - c0 * z0 + c1 * z1
+    ux, uy, uz = (
+        ax * change - c0 * x0 + c1 * x1,
+        ay * change - c0 * y0 + c1 * y1,
+        az * change - c0 * z0 + c1 * z1,
+    )
     radius = HALF_CURVATURE * square * (near0 * near0 + near1 * near1)
     spread = abs(ux) * wx + abs(uy) * wy + abs(uz) * wz + radius
     # Each cosine lies between −1 and 1; near an end that says more.
@@ -164,21 +168,13 @@ def enclose_ring(
         yl, x1, yl, z1, i1l, m1l, yr, x1, yr, z1, i1r, m1r, 0.0, 1.0, 0.0, wx, wy, wz, square
     )
     k, ka, kc, kr = _enclose_vortex(z0, x0, wz, wx, q0, q0_low, q0_high, core2)
-    a0, a0x, a0y, a0z, a0r = _multiply(
-        s0, s0x, s0y, s0z, s0_radius, s0_range, k, kc, 0.0, ka, kr, wx, wy, wz
-    )
+    a0, a0x, a0y, a0z, a0r = _multiply(s0, s0x, s0y, s0z, s0_radius, s0_range, k, kc, 0.0, ka, kr, wx, wy, wz)
     k, ka, kc, kr = _enclose_vortex(x0, z0, wx, wz, q0, q0_low, q0_high, core2)
-    b0, b0x, b0y, b0z, b0r = _multiply(
-        s0, s0x, s0y, s0z, s0_radius, s0_range, k, ka, 0.0, kc, kr, wx, wy, wz
-    )
+    b0, b0x, b0y, b0z, b0r = _multiply(s0, s0x, s0y, s0z, s0_radius, s0_range, k, ka, 0.0, kc, kr, wx, wy, wz)
     k, ka, kc, kr = _enclose_vortex(z1, x1, wz, wx, q1, q1_low, q1_high, core2)
-    a1, a1x, a1y, a1z, a1r = _multiply(
-        s1, s1x, s1y, s1z, s1_radius, s1_range, k, kc, 0.0, ka, kr, wx, wy, wz
-    )
+    a1, a1x, a1y, a1z, a1r = _multiply(s1, s1x, s1y, s1z, s1_radius, s1_range, k, kc, 0.0, ka, kr, wx, wy, wz)
     k, ka, kc, kr = _enclose_vortex(x1, z1, wx, wz, q1, q1_low, q1_high, core2)
-    b1, b1x, b1y, b1z, b1r = _multiply(
-        s1, s1x, s1y, s1z, s1_radius, s1_range, k, ka, 0.0, kc, kr, wx, wy, wz
-    )
+    b1, b1x, b1y, b1z, b1r = _multiply(s1, s1x, s1y, s1z, s1_radius, s1_range, k, ka, 0.0, kc, kr, wx, wy, wz)
     # Tip filaments: both components go with the spanwise distance.
     d, p0, p1 = az * x0 - ax * z0, ax * x0 + az * z0, ax * x1 + az * z1
     wd = abs(az) * wx + abs(ax) * wz
@@ -218,7 +214,9 @@ def enclose_ring(
 
 
 @njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
-def enclose_wake_force(x, y, z, ratio, wx, wy, wz, w_ratio, lanes, first, last, flexes, phase_end, core2, forms):
+def enclose_wake_force(
+    x, y, z, ratio, wx, wy, wz, w_ratio, lanes, first, last, flexes, phase_end, core2, forms
+):
     """Enclose the wake force of one follower state over a box, at both ends of the phase coordinate.
 
     Parameters

@@ -81,8 +81,8 @@ def gather_evidence(
     """
     core2, lanes = problem.constants[CORE2], problem.lanes
     distances, normals = np.empty(len(representative)), np.empty((len(representative), 6))
-    for edge, (lane, filament) in enumerate(representative):
-        distances[edge] = edge_distance(point, lanes, core2, lane, filament, normals[edge])
+    for number, (lane, filament) in enumerate(representative):
+        distances[number] = edge_distance(point, lanes, core2, lane, filament, normals[number])
     on_edge = np.flatnonzero(np.abs(distances) < ON_EDGE)
     edges = np.full((4, lanes.shape[1]), core2)
     edges[np.isin(group, on_edge)] = np.inf
@@ -100,7 +100,7 @@ def gather_evidence(
     edge_multipliers = solution[2 : 2 + len(on_edge)]
     violation = max(0.0, *(-solution[2 + len(on_edge) :]), 0.0)
     for multiplier, edge, normal in zip(edge_multipliers, on_edge, normals, strict=True):
-        pull = edge_pull(point, lanes, core2, group, edge, solution[:2])
+        pull = edge_pull(point, lanes, core2, group, int(edge), solution[:2])
         size = float(np.max(np.abs(normal * SCALE)))
         violation = max(violation, -multiplier * size, (multiplier + pull) * size)
     if independent < columns.shape[1]:

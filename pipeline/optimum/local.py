@@ -263,9 +263,7 @@ def solve_local(start, lanes, group, representative, constants, bounds, point, m
             for i in range(6):
                 linear[i] = gradient[i] * SCALE[i]
                 for c in range(2):
-                    linear[i] += (
-                        (multipliers[c] + EQUALITY_WEIGHT * residual[c]) * jacobian[c, i] * SCALE[i]
-                    )
+                    linear[i] += (multipliers[c] + EQUALITY_WEIGHT * residual[c]) * jacobian[c, i] * SCALE[i]
                 for k in range(count):
                     if pins[near[k]] != 0.0:
                         linear[i] -= EDGE_WEIGHT * levels[k] * slopes[k, i]
@@ -391,12 +389,12 @@ def solve_local(start, lanes, group, representative, constants, bounds, point, m
             )
             trial_merit = trial_cost + penalty * (abs(trial_residual[0]) + abs(trial_residual[1]))
         gained = merit - trial_merit
+        if largest < TRUSTED_MULTIPLIER:
+            multipliers[0], multipliers[1] = new_multipliers[0], new_multipliers[1]
         if gained > 0.05 * promised or (size < 1e-5 and gained > -1e-13):
             for i in range(6):
                 point[i] = trial[i]
             cost = trial_cost
-            if largest < TRUSTED_MULTIPLIER:
-                multipliers[0], multipliers[1] = new_multipliers[0], new_multipliers[1]
             if gained > 0.7 * promised and size > 0.9 * trust:
                 trust = min(2.0 * trust, 1.0)
         else:

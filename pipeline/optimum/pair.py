@@ -64,7 +64,11 @@ def solve_pair(
         )
     if not 0.0 < tolerance < 1.0:
         raise ValueError(f"tolerance: expected a number between 0 and 1, found {tolerance!r}")
-    problem = PairProblem(
-        bird, objective, leader_amplitude_m, leader_upstroke_span_ratio, amplitude_limit_m, model
-    )
+    stroke_ahead = {
+        "leader_amplitude_m": leader_amplitude_m,
+        "leader_upstroke_span_ratio": leader_upstroke_span_ratio,
+        "amplitude_limit_m": amplitude_limit_m,
+    }
+    given = {name: value for name, value in stroke_ahead.items() if value is not None}
+    problem = PairProblem(bird, objective, model=model, **given)
     return solve_pieces([problem], seed=seed, tolerance=tolerance, starts=starts, most_boxes=most_boxes)

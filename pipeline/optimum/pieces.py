@@ -221,7 +221,9 @@ def _prove(
                 break
         lower_bound = min(lower_bound, certificate.lower_bound)
         is_closed = is_closed and certificate.is_closed
-    return _Region(lower_bound, best, piece, boxes, is_closed)
+    # A better solution that the proof met, but that no local solve confirms, leaves it open.
+    is_confirmed = best is None or best.cost <= lower_bound * (1.0 + tolerance) * (1.0 + 1e-9)
+    return _Region(lower_bound, best, piece, boxes, is_closed and is_confirmed)
 
 
 def _walls(

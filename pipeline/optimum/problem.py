@@ -75,9 +75,10 @@ class PairProblem:
 
     bird: Bird
     objective: str = "force"
-    leader_amplitude_m: float | None = None
-    leader_upstroke_span_ratio: float | None = None
-    amplitude_limit_m: float | None = None
+    # None stands for the bird's own until __post_init__ puts it in.
+    leader_amplitude_m: float = None  # type: ignore[assignment]
+    leader_upstroke_span_ratio: float = None  # type: ignore[assignment]
+    amplitude_limit_m: float = None  # type: ignore[assignment]
     model: WakeModel = field(default_factory=WakeModel)
     piece: int = 1
 

@@ -46,7 +46,9 @@ class Basin:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def solve_many(starts, lanes, group, representative, constants, bounds, points, costs, multipliers, pins, status):
+def solve_many(
+    starts, lanes, group, representative, constants, bounds, points, costs, multipliers, pins, status
+):
     """Solve from every start; all results are written into the arrays given.
 
     Parameters
@@ -102,9 +104,7 @@ class Search:
         fractions = np.random.default_rng(seed).random((count, 6))
         return bounds[:, 0] + fractions * (bounds[:, 1] - bounds[:, 0])
 
-    def descend(
-        self, starts: NDArray[np.float64], bounds: NDArray[np.float64] | None = None
-    ) -> list[Basin]:
+    def descend(self, starts: NDArray[np.float64], bounds: NDArray[np.float64] | None = None) -> list[Basin]:
         """Solve from each start and return the basins reached, best first.
 
         Parameters
