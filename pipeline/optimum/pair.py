@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from pipeline.aero.bird import Bird
 from pipeline.aero.wake import WakeModel
 from pipeline.optimum.certify import MOST_BOXES
@@ -69,6 +71,6 @@ def solve_pair(
         "leader_upstroke_span_ratio": leader_upstroke_span_ratio,
         "amplitude_limit_m": amplitude_limit_m,
     }
-    given = {name: value for name, value in stroke_ahead.items() if value is not None}
+    given: dict[str, Any] = {name: value for name, value in stroke_ahead.items() if value is not None}
     problem = PairProblem(bird, objective, model=model, **given)
     return solve_pieces([problem], seed=seed, tolerance=tolerance, starts=starts, most_boxes=most_boxes)
