@@ -1,7 +1,7 @@
 # Upwash. `make` alone lists what there is to do. Needs only make and a Python 3.11 or newer.
 
 .DEFAULT_GOAL := help
-.PHONY: help install test reproduce check bench docs clean lock
+.PHONY: help install test reproduce reference check bench docs clean lock
 .DELETE_ON_ERROR:
 
 # The first of these that is a Python 3.11 or newer and can make virtual environments; `make PYTHON=… test` overrides.
@@ -22,6 +22,9 @@ test: $(VENV)/installed-dev  ## run all tests
 
 reproduce: $(VENV)/installed  ## redo the paper: solve, check, and print its table beside ours
 	$(BIN)/upwash reproduce
+
+reference: $(VENV)/installed  ## renew results/reference/ and the README's table, when results are meant to change
+	$(BIN)/python tests/renew_reference.py
 
 check: $(VENV)/installed-dev  ## lint and type-check
 	$(BIN)/ruff check .

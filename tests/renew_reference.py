@@ -1,0 +1,54 @@
+"""Renew what is kept of a run of ``upwash reproduce``: results/reference/ and the table in README.md.
+
+``make reference`` does it, after a change that is meant to change results. What moved shows in the diff of
+summary.csv, which says the same as summary.parquet.
+"""
+
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pandas as pd
+import pyarrow as pa
+
+from pipeline.batch.compare import COLUMNS
+from pipeline.batch.store import SUMMARY, read_table
+
+ROOT = Path(__file__).parents[1]
+REFERENCE = ROOT / "results" / "reference"
+README = ROOT / "README.md"
+BLOCK = re.compile(r"(?<=<!-- reproduce: begin -->\n```text\n).*(?=```\n<!-- reproduce: end -->)", re.DOTALL)
+
+COMMAND = [sys.executable, "-c", "from pipeline.cli import main; main(prog_name='upwash')", "reproduce"]
+
+
+def as_csv(summary: pa.Table) -> str:
+    """Write what is compared of a summary as CSV: one line a column, one column a job."""
+    jobs = summary.to_pylist()
+    lines = [
+        {"column": name, "unit": COLUMNS[name].unit, **{job["objective"]: job[name] for job in jobs}}
+        for name in summary.column_names
+        if COLUMNS[name].agreement.compared
+    ]
+    return pd.DataFrame(lines).to_csv(index=False, lineterminator="\n")
+
+
+def main() -> None:
+    """Run `upwash reproduce` in a folder of its own and keep what it leaves and prints."""
+    with tempfile.TemporaryDirectory() as folder:
+        finished = subprocess.run([*COMMAND, "--results", folder], stdout=subprocess.PIPE, text=True)
+        # 3: the results are not those kept so far, which is why they are renewed.
+        if finished.returncode not in (0, 3) or not finished.stdout:
+            sys.exit(finished.returncode)
+        summary = Path(folder) / "summary.parquet"
+        REFERENCE.mkdir(parents=True, exist_ok=True)
+        (REFERENCE / "summary.parquet").write_bytes(summary.read_bytes())
+        (REFERENCE / "summary.csv").write_text(as_csv(read_table(summary, SUMMARY)), encoding="utf-8")
+    text = README.read_text(encoding="utf-8")
+    README.write_text(BLOCK.sub(lambda _: finished.stdout, text), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

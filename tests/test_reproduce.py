@@ -1,0 +1,118 @@
+"""The command ``upwash reproduce``: a fresh run prints the README's table and gives the kept results."""
+
+import json
+import shutil
+import subprocess
+from contextlib import chdir
+
+import pyarrow as pa
+import pytest
+from click.testing import CliRunner
+from renew_reference import BLOCK, COMMAND, README, REFERENCE, as_csv
+
+from pipeline.batch.store import SOLUTIONS, SUMMARY, TableWriter, metadata_of, read_table
+from pipeline.cli import main
+from pipeline.cli import reproduce as module
+
+
+@pytest.fixture(scope="module")
+def fresh(tmp_path_factory):
+    """A folder in which the command was run, as a process of its own, and what came of it."""
+    folder = tmp_path_factory.mktemp("fresh")
+    return folder, subprocess.run(COMMAND, cwd=folder, capture_output=True, text=True)
+
+
+@pytest.fixture
+def results(fresh, tmp_path):
+    """A copy of the fresh results."""
+    return shutil.copytree(fresh[0] / "results" / "reproduce", tmp_path / "results" / "reproduce")
+
+
+@pytest.fixture
+def reference(tmp_path, monkeypatch):
+    """A copy of the kept results, in their place."""
+    copy = shutil.copytree(REFERENCE, tmp_path / "reference")
+    monkeypatch.setattr(module, "REFERENCE", copy)
+    return copy
+
+
+def again(results, *options):
+    """Run the command in this process, in a folder that holds results already."""
+    with chdir(results.parents[1]):
+        return CliRunner().invoke(main, ["reproduce", *options], prog_name="upwash")
+
+
+def multiply(path, schema, column, factor):
+    """Multiply a column of a stored table, and write the table as if nothing had happened."""
+    table = read_table(path, schema)
+    place = table.schema.get_field_index(column)
+    values = [value * factor for value in table.column(column).to_pylist()]
+    metadata = metadata_of(table.schema)
+    writer = TableWriter(path, schema)
+    writer.write(table.set_column(place, schema.field(place), pa.array(values)).replace_schema_metadata())
+    writer.close(metadata)
+
+
+class TestFreshRun:
+    def test_agrees_with_what_is_kept(self, fresh):
+        folder, finished = fresh
+        assert finished.returncode == 0, finished.stderr
+        assert f"agrees with {REFERENCE}" in finished.stderr
+        names = {path.name for path in (folder / "results" / "reproduce").iterdir()}
+        assert {"solutions.parquet", "summary.parquet"} <= names
+
+    def test_prints_exactly_what_the_readme_shows(self, fresh):
+        assert BLOCK.search(README.read_text(encoding="utf-8"))[0] == fresh[1].stdout
+
+    def test_the_kept_table_for_people_is_the_kept_table(self):
+        kept = read_table(REFERENCE / "summary.parquet", SUMMARY)
+        assert (REFERENCE / "summary.csv").read_text(encoding="utf-8") == as_csv(kept)
+
+    def test_json_says_the_same_and_nothing_is_solved_twice(self, results):
+        result = again(results, "--json")
+        assert result.exit_code == 0
+        assert "of 2 jobs" not in result.stderr
+        said = json.loads(result.stdout, parse_constant=pytest.fail)
+        assert said["agrees_with_reference"] is True
+        assert said["minimum_is_global"] == {"force": False, "power": False}
+        assert [one["paper"] for one in said["table_1"]] == [
+            1.83,
+            0.882,
+            0.457,
+            0.347,
+            0.751,
+            0.5,
+            12.17,
+            1.89,
+        ]
+        assert max(abs(one["difference %"]) for one in said["table_1"]) < 1.5
+
+
+class TestChecks:
+    def test_results_that_are_not_those_kept_are_shown_and_named(self, fresh, results, reference):
+        multiply(reference / "summary.parquet", SUMMARY, "cost", 1.0 + 1e-6)
+        result = again(results)
+        assert result.exit_code == 3
+        assert result.stdout == fresh[1].stdout
+        assert "\ncost, job " in f"\n{result.stderr}"
+        assert "upwash diff" in result.stderr.splitlines()[-1]
+
+    def test_the_last_digits_may_differ(self, results, reference):
+        multiply(reference / "summary.parquet", SUMMARY, "cost", 1.0 + 1e-9)
+        assert again(results).exit_code == 0
+
+    def test_results_that_do_not_hold_are_not_shown(self, results):
+        multiply(results / "solutions.parquet", SOLUTIONS, "power_total_w", 1.001)
+        result = again(results)
+        assert (result.exit_code, result.stdout) == (3, "")
+        assert "power_total_w: expected" in result.stderr.splitlines()[-1]
+
+    def test_a_job_that_fails_is_exit_1(self, tmp_path, monkeypatch):
+        sweep = tmp_path / "sweep.toml"
+        sweep.write_text(
+            'species = "northern-bald-ibis"\nsolver = "no_such_module:solve"\n', encoding="utf-8"
+        )
+        monkeypatch.setattr(module, "SWEEP", str(sweep))
+        result = again(tmp_path / "results" / "reproduce", "--results", "failing")
+        assert (result.exit_code, result.stdout) == (1, "")
+        assert "1 of 1 jobs failed; see 'upwash status failing'" in result.stderr
