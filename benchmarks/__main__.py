@@ -1,4 +1,4 @@
-"""Run the contests, print each as a table of times and ratios, and keep them as Parquet."""
+"""Run the contests and the study of seeds, print what they show, and keep it as Parquet."""
 
 from __future__ import annotations
 
@@ -8,32 +8,48 @@ from pathlib import Path
 
 import numba
 
-from benchmarks import machine
+from benchmarks import machine, seeds
 from benchmarks.contest import measure
 from benchmarks.record import store, table
 
-CONTESTS = ("field", "wake_force")
+CONTESTS = ("field", "wake_force", "local_solve", "job")
+NAMES = (*CONTESTS, "seeds")
 RESULTS = Path(__file__).parents[1] / "results" / "bench"
 
 
 def main() -> None:
-    """Run the contests that the command line names, or all."""
+    """Run what the command line names, or all."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"one or more of {', '.join(CONTESTS)}")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"one or more of {', '.join(NAMES)}")
     parser.add_argument("--seconds", type=float, default=20.0, help="time to spend on each contest")
+    parser.add_argument("--seeds", type=int, default=20, help="seeds of the study, for each objective")
+    parser.add_argument("--birds", type=int, default=20, help="random birds of the study")
+    parser.add_argument("--workers", type=int, default=1, help="processes of the study")
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder for the Parquet files")
     asked = parser.parse_args()
     for name in asked.names:
-        if name not in CONTESTS:
-            parser.error(f"expected a contest ({', '.join(CONTESTS)}), found {name!r}")
+        if name not in NAMES:
+            parser.error(f"expected one of {', '.join(NAMES)}, found {name!r}")
+    for option in ("seeds", "birds", "workers"):
+        least = 1 if option == "workers" else 0
+        if getattr(asked, option) < least:
+            parser.error(f"--{option}: expected at least {least}, found {getattr(asked, option)}")
 
     numba.set_num_threads(1)  # a peer's kernel may run in parallel: here all have one core
     about = machine.description()
     print(f"{about['processor']}, {about['cores']} cores, {about['system']}")
     print(", ".join(f"{name} {version}" for name, version in machine.versions().items()))
-    for name in asked.names or CONTESTS:
-        rows = measure(importlib.import_module(f"benchmarks.{name}").contest(), asked.seconds)
-        print(f"\n{table(rows)}\n  {store(rows, asked.results)}")
+    for name in asked.names or NAMES:
+        if name in CONTESTS:
+            rows = measure(importlib.import_module(f"benchmarks.{name}").contest(), asked.seconds)
+            print(f"\n{table(rows)}\n  {store(rows, asked.results)}", flush=True)
+            continue
+        rows = seeds.study(asked.seeds, asked.birds, asked.workers)
+        print(f"\n{seeds.report(rows)}")
+        for part in seeds.PARTS:
+            some = [row for row in rows if row["contest"] == part]
+            if some:
+                print(f"  {store(some, asked.results, seeds.SCHEMA)}", flush=True)
 
 
 if __name__ == "__main__":

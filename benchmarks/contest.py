@@ -27,6 +27,8 @@ class Contender:
         How many units of work one run does.
     answer : callable, optional
         Returns what was computed, to be compared with what the first contender answers.
+    remark : callable, optional
+        Returns what else is to be said of how it did, once it has been measured.
     missing : str
         Why it cannot take part; empty if it can.
     """
@@ -35,6 +37,7 @@ class Contender:
     run: Callable[[], object] = lambda: None
     work: float = 1.0
     answer: Callable[[], np.ndarray] | None = None
+    remark: Callable[[], str] | None = None
     missing: str = ""
 
 
@@ -81,6 +84,7 @@ def measure(contest: Contest, seconds: float) -> list[dict]:
                 "ratio": min(samples[one.name]) / min(samples[ours.name]),
                 "samples": len(samples[one.name]),
                 "difference": difference(one, ours),
+                "remark": one.remark() if one.remark else "",
             }
             if not one.missing
             else {}

@@ -6,6 +6,8 @@ import json
 from datetime import UTC, datetime
 from pathlib import Path
 
+import pyarrow as pa
+
 from benchmarks import machine
 from pipeline.batch.columns import INTEGER, TEXT, Column
 from pipeline.batch.store import code_version, encode, schema_of, write_atomic
@@ -20,6 +22,7 @@ SCHEMA = schema_of(
         Column("ratio", "1", "shortest time over Upwash's"),
         Column("samples", "1", "number of times it was measured", INTEGER),
         Column("difference", "1", "largest difference from Upwash's answer over the largest value"),
+        Column("remark", "", "what else is to be said of how it did; empty if nothing", TEXT),
         Column("missing", "", "why it was not measured; empty if it was", TEXT),
         Column("processor", "", "model of the processor", TEXT),
         Column("cores", "1", "number of the processor's cores", INTEGER),
@@ -30,7 +33,7 @@ SCHEMA = schema_of(
 UNITS = (("ns", 1e-9), ("µs", 1e-6), ("ms", 1e-3), ("s", 1.0))
 
 
-def store(rows: list[dict], folder: Path) -> Path:
+def store(rows: list[dict], folder: Path, schema: pa.Schema = SCHEMA) -> Path:
     """Write a contest's rows, with the machine and the versions, and return the file."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{rows[0]['contest']}.parquet"
@@ -39,7 +42,7 @@ def store(rows: list[dict], folder: Path) -> Path:
         "package_versions": json.dumps(machine.versions()),
         "measured": datetime.now(UTC).isoformat(timespec="seconds"),
     }
-    write_atomic(path, encode([row | machine.description() for row in rows], SCHEMA, metadata))
+    write_atomic(path, encode([row | machine.description() for row in rows], schema, metadata))
     return path
 
 
@@ -55,7 +58,10 @@ def table(rows: list[dict]) -> str:
             continue
         apart = "" if row["difference"] is None else f"{row['difference']:.0e}"
         best, typical = in_words(row["time_best_s"]), in_words(row["time_median_s"])
-        lines.append(f"  {row['contender']:44} {best:>9} {typical:>9} {row['ratio']:9.2f}  {apart}")
+        line = (
+            f"  {row['contender']:44} {best:>9} {typical:>9} {row['ratio']:9.2f}  {apart:10}  {row['remark']}"
+        )
+        lines.append(line.rstrip())
     return "\n".join(lines)
 
 
