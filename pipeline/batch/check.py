@@ -32,7 +32,11 @@ BOUND_SLACK = 1e-9
 # Not every optimum has these.
 MAY_BE_ABSENT = {"error", "v_lower_bound", "v_certified_gap", "global_lower_bound", "global_certified_gap"}
 MAY_BE_ABSENT |= {"certificate_boxes", "v_wall", "feasible", "multiplier_lift", "multiplier_thrust"}
-MAY_BE_ABSENT |= {"leader", "core_edges", "stationarity", "curvature"}
+MAY_BE_ABSENT |= {"core_edges", "stationarity", "curvature"}
+
+# A flock's first bird follows none.
+OF_A_FOLLOWER = {"x_m", "y_m", "z_m", "phase", "rank", "hits", "starts", "placement", "tier", "station"}
+OF_A_FOLLOWER |= {"is_v_optimum", "is_global_optimum", "active_bounds", "solve_time_s"}
 
 
 @dataclass(frozen=True)
@@ -167,7 +171,7 @@ def of_rows(rows: Sequence[Row], place: str, all_optima: bool = True) -> list[Fi
 
     # What is absent or not finite cannot be computed with.
     wrong = findings(FORM)
-    if wrong or rows[0]["rank"] is None:
+    if wrong or rows[0]["cost"] is None:
         return wrong
     whole = (ranks if rows[0]["kind"] == "pair" else chain,) if all_optima else ()
     return findings((*CONTENT, *whole))
@@ -189,9 +193,10 @@ def outcome(rows: Sequence[Row]) -> Complaints:
         if row["status"] == of.SOLVED:
             if row["error"] is not None:
                 yield "error", f"expected none in a solved row, found {row['error']!r}"
+            absent = MAY_BE_ABSENT | (OF_A_FOLLOWER if row.get("bird") == 1 else set())
             has_none = row["rank"] is None and "optima_found" in row
             for column in of.SOLUTION if not has_none else ():
-                if row[column.name] is None and column.name not in MAY_BE_ABSENT:
+                if row[column.name] is None and column.name not in absent:
                     yield column.name, "expected a value in a solved row, found none"
         else:
             if not row["error"]:
@@ -219,7 +224,7 @@ def residuals(rows: Sequence[Row]) -> Complaints:
 def bounds(rows: Sequence[Row]) -> Complaints:
     """Every variable lies within its bounds."""
     for row in rows:
-        if row["x_m"] is None or row.get("bird") == 1:
+        if row["x_m"] is None:
             continue
         for name, (low, high) in bounds_of(row, rows[0]).items():
             slack = BOUND_SLACK * (high - low)

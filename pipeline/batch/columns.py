@@ -180,6 +180,7 @@ FLOCK_INPUTS = (
     Column("shape", "", "echelon, vee or alternating", TEXT, EXACT),
     Column("wake", "", "whose wakes a bird feels: neighbour or all-upstream", TEXT, EXACT),
     Column("reading", "", "reading of the amplitude bound: immediate or lone", TEXT, EXACT),
+    Column("wavelengths", "1", "length of each wake, in wavelengths", INTEGER, EXACT),
 )
 FLOCK_PLACE = (
     Column("flock_id", "", "the flock: its job's id", TEXT, EXACT),

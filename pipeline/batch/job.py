@@ -10,7 +10,7 @@ import os
 import threading
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -172,15 +172,15 @@ def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:
     bird = _bird(job)
     if isinstance(bird, str):
         return of.INFEASIBLE, bird, []
+    choices = {name: getattr(job, name) for name in ("reading", "shape", "wake", "wavelengths")}
     solution = solve_flock(
         bird,
-        job.birds,
+        job.birds or 0,
         job.objective,
-        reading=job.reading,
-        shape=job.shape,
-        wake=job.wake,
+        model=_model(job),
         seed=job.seed,
         tolerance=job.tolerance,
+        **choices,
     )
     return of.SOLVED, "", solution.rows()
 
@@ -297,10 +297,13 @@ def _expected(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> Row:
         "saving_total": 1.0 - sum(powers) / sum(alone),
         "cost": cost.value(bird, lift, thrust),
         "cost_leader": cost.value(bird, bird.weight_n, bird.drag_n),
-        "placement": "outboard" if abs(row["y_m"]) >= OUTBOARD * job.semispan_m else "inboard",
-        "tier": "level" if abs(row["z_m"]) <= LEVEL * bird.amplitude_m else "stacked",
-        "station": "astern" if row["x_m"] >= ASTERN * job.semispan_m else "abreast",
     }
+    if row["x_m"] is not None:
+        expected |= {
+            "placement": "outboard" if abs(row["y_m"]) >= OUTBOARD * job.semispan_m else "inboard",
+            "tier": "level" if abs(row["z_m"]) <= LEVEL * bird.amplitude_m else "stacked",
+            "station": "astern" if row["x_m"] >= ASTERN * job.semispan_m else "abreast",
+        }
     for part, own, leaders in zip(("induced", "profile", "parasite"), powers, alone, strict=True):
         expected |= {f"power_{part}_w": own, f"leader_power_{part}_w": leaders}
     return expected
@@ -310,22 +313,29 @@ def _wake_force(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> tuple[flo
     """Return the lift and thrust that a row's bird has from the wakes that it feels."""
     from pipeline.aero.interaction import wake_force
 
-    own = row["amplitude_m"], row["upstroke_span_ratio"]
+    lift = thrust = 0.0
+    for amplitude, span_ratio, place, lag in _felt(job, row, rows):
+        for repeat in range(job.wavelengths or 1):
+            # A wake's next wavelength acts as the first one does on a bird as much nearer.
+            position = place[0] - repeat * bird.wavelength_m, *place[1:]
+            stroke = row["amplitude_m"], row["upstroke_span_ratio"]
+            force = wake_force(bird, amplitude, span_ratio, position, *stroke, lag, _model(job))
+            lift, thrust = lift + force[0], thrust + force[1]
+    return lift, thrust
+
+
+def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[float, float, tuple[float, ...], float]]:
+    """Give stroke, place and lag, relative to it, of each bird whose wake a row's bird feels."""
+    from pipeline.optimum.flock import row_of
+
+    if row.get("bird") == 1:
+        return
     if job.kind == "pair" or job.wake == "neighbour":
         place = row["x_m"], row["y_m"], row["z_m"]
-        ahead = row["leader_amplitude_m"], row["leader_upstroke_span_ratio"]
-        return wake_force(bird, *ahead, place, *own, row["phase"], _model(job))
-    forces = [
-        wake_force(
-            bird,
-            other["amplitude_m"],
-            other["upstroke_span_ratio"],
-            [row[f"{axis}_flock_m"] - other[f"{axis}_flock_m"] for axis in "xyz"],
-            *own,
-            row["phase_flock"] - other["phase_flock"],
-            _model(job),
-        )
-        for other in rows
-        if other["bird"] < row["bird"]
-    ]
-    return sum(lift for lift, _ in forces), sum(thrust for _, thrust in forces)
+        yield row["leader_amplitude_m"], row["leader_upstroke_span_ratio"], place, row["phase"]
+        return
+    for other in rows:
+        if row_of(other["bird"], job.shape or "") < row_of(row["bird"], job.shape or ""):
+            place = tuple(row[f"{axis}_flock_m"] - other[f"{axis}_flock_m"] for axis in "xyz")
+            lag = row["phase_flock"] - other["phase_flock"]
+            yield other["amplitude_m"], other["upstroke_span_ratio"], place, lag

@@ -27,6 +27,7 @@ FLOCK_DEFAULTS: dict[str, Any] = {
     "shape": "echelon",
     "wake": "neighbour",
     "reading": "immediate",
+    "wavelengths": 1,
 }
 FLOCK_CHOICES = {
     "shape": ("echelon", "vee", "alternating"),
@@ -206,6 +207,7 @@ class _BlockReader:
         flock = keys["flock"].table(FLOCK_DEFAULTS) if "flock" in keys else {}
         given = {key: flock.get(key, table.at(default)).each() for key, default in FLOCK_DEFAULTS.items()}
         choices["birds"] = [entry.whole(2) for entry in given["birds"]]
+        choices["wavelengths"] = [entry.whole(1) for entry in given["wavelengths"]]
         return choices | {
             key: [one.one_of(names) for one in given[key]] for key, names in FLOCK_CHOICES.items()
         }

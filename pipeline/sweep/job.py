@@ -45,9 +45,11 @@ class Job:
     solver : str
         `BUILT_IN_SOLVER`, or ``package.module:function``.
     birds : int, optional
-        Birds in the flock. This and the next three are set for flocks alone.
+        Birds in the flock. This and the next four are set for flocks alone.
     shape, wake, reading : str, optional
         Shape of the flock, which wakes a bird feels, and the reading of its amplitude bound.
+    wavelengths : int, optional
+        Length of each wake.
     """
 
     kind: str
@@ -73,6 +75,7 @@ class Job:
     shape: str | None = None
     wake: str | None = None
     reading: str | None = None
+    wavelengths: int | None = None
     job_id: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
