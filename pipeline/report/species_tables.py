@@ -27,6 +27,7 @@ STROKE = {
 }
 GAP = {"gap %": ("v_gap", 100.0, ".2f")}
 
+NO_V = "no V"
 INTERVALS = "in brackets: 5 % and 95 % quantiles of the samples from each species' own ranges"
 HEADS = {
     "weight_number": "W/(ρ b² U²)",
@@ -73,6 +74,29 @@ def comparison_tables(compared: pd.DataFrame) -> list[Table]:
     return tables
 
 
+def overview_table(compared: pd.DataFrame) -> Table:
+    """Return the saving of total power of every species under every problem.
+
+    Parameters
+    ----------
+    compared : DataFrame
+        As `pipeline.report.comparison.compare` returns.
+    """
+    problems = compared["objective"] + ", " + compared["amplitude_convention"]
+    written = compared.assign(
+        problem=problems,
+        written=[
+            with_interval(row, *SAVING["saving %"]) if row["has_v"] else NO_V
+            for _, row in compared.iterrows()
+        ],
+    ).pivot(index="species", columns="problem", values="written")
+    frame = written.fillna(ABSENT).rename_axis(columns=None).reset_index()
+    notes = [f"{NO_V}: there is no V optimum; the next tables say why"]
+    if compared["samples"].notna().any():
+        notes.append(f"{INTERVALS}; {_samples(compared)}")
+    return Table("Saving of total power at the V optimum, in percent", frame, notes=tuple(notes))
+
+
 def intervals_table(ends: pd.DataFrame) -> Table:
     """Return the intervals alone, from `pipeline.report.intervals.intervals` with its index as columns."""
     shown = {
@@ -91,11 +115,10 @@ def _samples(group: pd.DataFrame) -> str:
     count, failed, without = (
         int(group[name].sum()) for name in ("samples", "samples_failed", "samples_without_v")
     )
-    named = group[group["samples_without_v"] > 0]
-    where = ", ".join(f"{row['species']} {int(row['samples_without_v'])}" for _, row in named.iterrows())
-    return f"{count} samples, {failed} failed, {without} without a V optimum" + (
-        f" ({where})" if where else ""
-    )
+    by_species = group.groupby("species")["samples_without_v"].sum()
+    where = ", ".join(f"{species} {int(many)}" for species, many in by_species[by_species > 0].items())
+    found = f"{count} samples, {failed} failed, {without} without a V optimum"
+    return f"{found} ({where})" if where else found
 
 
 def groups_table(compared: pd.DataFrame) -> Table:
@@ -156,7 +179,7 @@ def answers_table(answers: pd.DataFrame) -> Table:
 
 def _answer(holds: bool | None, share: float) -> str:
     if pd.isna(holds):
-        return "no V"
+        return NO_V
     return cell(bool(holds)) + ("" if pd.isna(share) else f" ({share:.0%})")
 
 
@@ -198,7 +221,7 @@ def _side_by_side(compared: pd.DataFrame) -> pd.DataFrame:
     keys = [name for name in shown.columns if name not in ("problem", "ours")]
     # In the order of the file, not of the alphabet.
     wide = shown.pivot(index=keys, columns="problem", values="ours")
-    return wide.loc[list(dict.fromkeys(map(tuple, shown[keys].to_numpy())))].fillna("no V").reset_index()
+    return wide.loc[list(dict.fromkeys(map(tuple, shown[keys].to_numpy())))].fillna(NO_V).reset_index()
 
 
 def _published(row: pd.Series) -> str:

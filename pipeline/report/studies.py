@@ -177,7 +177,7 @@ def _comparison(rows: pd.DataFrame, samples: pd.DataFrame | None) -> list[Writte
             "comparison",
             compared,
             between_species.COMPARISON,
-            [*show.comparison_tables(compared), show.groups_table(compared)],
+            [show.overview_table(compared), *show.comparison_tables(compared), show.groups_table(compared)],
         ),
         Written("objectives", changes, between_species.objectives_columns(), show.objectives_tables(changes)),
         Written("mechanism", answers, MECHANISM, [show.answers_table(answers)]),
