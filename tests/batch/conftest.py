@@ -150,3 +150,16 @@ def reproduced(tmp_path_factory, logs):
     bench("run", "reproduce")
     bench("aggregate", "results/reproduce")
     return bench.folder / "results" / "reproduce"
+
+
+@pytest.fixture(scope="session")
+def flocks(tmp_path_factory, logs):
+    """The results folder of small flocks, solved by the real solver and gathered; not to be changed."""
+    bench = Bench(tmp_path_factory.mktemp("flocks"), logs)
+    (bench.folder / "flocks.toml").write_text(
+        'kind = "flock"\nspecies = "northern-bald-ibis"\n'
+        '[flock]\nbirds = 4\nshape = "vee"\nwake = ["neighbour", "all-upstream"]\n'
+    )
+    bench("run", "./flocks.toml")
+    bench("aggregate", "results/flocks")
+    return bench.folder / "results" / "flocks"

@@ -11,6 +11,7 @@ from pipeline.batch import store
 from pipeline.batch.check import of_rows
 from pipeline.batch.folder import ResultsFolder
 from pipeline.batch.lookup import rows_of
+from pipeline.batch.summary import summary_of
 
 RECOMPUTED = [
     *("weight_n", "drag_n", "lift_self_n", "thrust_self_n", "lift_wake_n", "thrust_wake_n"),
@@ -19,6 +20,7 @@ RECOMPUTED = [
     *("saving_induced", "saving_profile", "saving_total", "cost", "cost_leader"),
 ]
 SOLUTION = ["x_m", "y_m", "z_m", "amplitude_m", "upstroke_span_ratio"]
+IDENTITY = ["job_id", "flock_id", *(c.name for c in (*of.INPUTS, *of.FLOCK_INPUTS)), "species", "objective"]
 INPUTS = [c.name for c in of.INPUTS if c.type == of.FLOAT]
 
 
@@ -142,6 +144,72 @@ class TestRows:
         assert "x_m" in columns_found(rows)
         rows[0]["status"] = "fine"
         assert "status" in columns_found(rows)
+
+
+class TestFlocks:
+    @pytest.fixture(params=["neighbour", "all-upstream"])
+    def birds(self, flocks, request):
+        """Every bird of one flock."""
+        table = pq.read_table(flocks / "flock.parquet").to_pylist()
+        return [row for row in table if row["wake"] == request.param]
+
+    def test_true_flocks_pass(self, bench, flocks, birds):
+        assert [row["bird"] for row in birds] == [1, 2, 3, 4]
+        assert of_rows(birds, "here") == []
+        assert "2 jobs, all in order" in bench("check", str(flocks))[1]
+
+    @pytest.mark.parametrize(
+        "name", ["lift_wake_n", "thrust_wake_n", "power_total_w", "saving_total", "cost"]
+    )
+    def test_a_figure_that_does_not_follow_from_the_flock(self, birds, name):
+        birds[3][name] += 1e-7 * max(abs(birds[3][name]), 1.0)
+        assert name in columns_found(birds)
+
+    @pytest.mark.parametrize("name", ["x_flock_m", "y_flock_m", "z_flock_m", "phase_flock"])
+    def test_a_bird_that_is_not_where_it_follows_its_leader(self, birds, name):
+        birds[3][name] += 1e-6
+        assert name in columns_found(birds)
+
+    def test_a_bird_that_is_missing(self, birds):
+        assert "bird" in columns_found([*birds[:1], *birds[2:]])
+
+    def test_a_stroke_ahead_that_was_changed_no_longer_makes_the_forces_behind(self, birds):
+        # Bird 4 follows bird 2, and feels bird 1 if it feels all.
+        birds[1]["amplitude_m"] *= 1 + 1e-6
+        assert columns_found(birds)
+
+    def test_the_first_bird_flies_as_if_alone(self, birds):
+        birds[0]["lift_wake_n"] = 1e-6
+        assert "lift_wake_n" in columns_found(birds)
+
+    def test_a_flock_repeats_from_its_stored_inputs(self, bench, flocks, birds):
+        assert "agree in 4 rows" in bench("rerun", str(flocks), birds[0]["job_id"])[1]
+
+    def test_the_summary_is_of_the_birds_placed(self, flocks, birds):
+        summary = pq.read_table(flocks / "summary.parquet").to_pylist()
+        (own,) = [row for row in summary if row["job_id"] == birds[0]["flock_id"]]
+        assert own["birds_placed"] == 4
+        assert own["cost_mean"] == pytest.approx(sum(row["cost"] for row in birds) / 4, rel=1e-15)
+        assert own["saving_total_mean"] == pytest.approx(
+            sum(row["saving_total"] for row in birds) / 4, rel=1e-15
+        )
+
+    def test_a_flock_that_ends_early_says_so_and_keeps_its_birds(self, birds):
+        lost = dict.fromkeys(birds[3]) | {name: birds[3][name] for name in (*IDENTITY, "bird", "leader")}
+        ended = [*birds[:3], lost | {"status": "infeasible", "error": "no V optimum: nowhere"}]
+        assert of_rows(ended, "here") == []
+        (row,) = summary_of(store.table_of(ended, store.FLOCK), "flock").to_pylist()
+        assert (row["status"], row["error"], row["birds_placed"]) == (
+            "infeasible",
+            "no V optimum: nowhere",
+            3,
+        )
+
+    def test_sweeps_know_the_choices_that_the_solver_knows(self):
+        from pipeline.optimum import flock
+        from pipeline.sweep.file import FLOCK_CHOICES
+
+        assert FLOCK_CHOICES == {"shape": flock.SHAPES, "wake": flock.WAKES, "reading": flock.READINGS}
 
 
 class TestTables:

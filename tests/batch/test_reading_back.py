@@ -23,9 +23,7 @@ def test_each_tool_reads_solutions_in_the_documented_line(reproduced, monkeypatc
 
 
 def rows(frame, tool):
-    if tool == "pandas":
-        return frame.to_dict("records")
-    return frame.to_dicts() if tool == "polars" else frame.to_arrow_table().to_pylist()
+    return frame.to_dicts() if tool == "polars" else frame.to_dict("records")
 
 
 def test_units_are_read_as_documented(reproduced, monkeypatch):

@@ -19,7 +19,7 @@ from pipeline.errors import UpwashError
 from pipeline.sweep import Job, read_sweep
 
 # Schema version -> digest of the names, types and units of all columns.
-FORMS = {1: "449d8372dc24c4bd"}
+FORMS = {1: "a06206cb2947ec88"}
 
 SCHEMAS = {
     "solutions": store.SOLUTIONS,
@@ -78,7 +78,7 @@ class TestSchema:
 
     def test_the_inputs_of_a_job_are_columns_of_its_rows(self):
         assert set(Job.__dataclass_fields__) - {"job_id"} <= set(store.FLOCK.names)
-        flock_only = {"birds", "shape", "wake", "reading"}
+        flock_only = {"birds", "shape", "wake", "reading", "wavelengths"}
         assert set(Job.__dataclass_fields__) - flock_only <= set(store.SOLUTIONS.names)
 
     def test_units_and_provenance_survive_the_round_trip(self, job_file):
@@ -167,6 +167,10 @@ def failing_with(number):
 
 
 class TestRowsOfAnyKind:
+    @pytest.fixture(autouse=True)
+    def _unmended(self, logs):
+        (logs / "mended").unlink(missing_ok=True)
+
     @pytest.mark.parametrize(
         ("solver", "error"),
         [
