@@ -50,7 +50,7 @@ HALF_CURVATURE = 1.0 / math.sqrt(3.0)
 VALUE, BY_X, BY_Y, BY_Z, BY_RATIO, RADIUS = range(6)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
+@njit(cache=True, fastmath=FAST, error_model="numpy")
 def _enclose_strength(
     p0, x0, y0, z0, per_n0, near0, p1, x1, y1, z1, per_n1, near1, ax, ay, az, wx, wy, wz, square
 ):  # fmt: skip
@@ -81,7 +81,7 @@ def _enclose_strength(
     )
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
+@njit(cache=True, fastmath=FAST, error_model="numpy")
 def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
     """Enclose a / max(a² + c², core2): value, slopes by a and c, radius."""
     least = NEAREST * core2
@@ -113,7 +113,7 @@ def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
     )
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
+@njit(cache=True, fastmath=FAST, error_model="numpy")
 def _multiply(u, ux, uy, uz, u_radius, u_range, k, kx, ky, kz, k_radius, wx, wy, wz):
     """Multiply two forms: value, three slopes, radius."""
     k_range = abs(kx) * wx + abs(ky) * wy + abs(kz) * wz + k_radius
