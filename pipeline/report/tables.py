@@ -21,6 +21,14 @@ V, GLOBAL = "V optimum", "global optimum"
 PROVED_BUT_FOR_ROUNDING = 1.0 + 1e-6
 """A proof ends at the asked gap itself, which the division of two costs returns with rounding."""
 
+PROVED, BEATEN, OPEN = "proved to", "beaten on its wall", "open"
+PROOFS = {
+    PROVED: " e: no V formation, or no position at all, costs less by more than the fraction e",
+    BEATEN: " w: on the wall w of the V region it costs less, and beyond it less still",
+    OPEN: ": the proof ended before it was sure; the gap is what it leaves",
+}
+"""What `proof` says, and what that means."""
+
 
 # What an optimum is described by: words, unit, how the value follows from its row, and whether in short too.
 DESCRIPTION: tuple[tuple[str, str, Callable[[Row], Any], bool], ...] = (
@@ -141,10 +149,9 @@ def both_optima(solutions: pd.DataFrame, in_short: bool = False) -> Table:
     ]
     first = next(iter(columns.values()))
     title = f"{first['species']}: follower of {' and of '.join(f'least {words_of(name)}' for name in jobs)}"
-    return Table(title, pd.DataFrame(cells), {"%": ".2f"}, (*leader(first), PROVED))
-
-
-PROVED = "proved to e: no V formation, or no position at all, costs less by more than the fraction e"
+    proofs = [str(cells[-1][label]) for label in columns]
+    explained = [words + meaning for words, meaning in PROOFS.items() if any(words in one for one in proofs)]
+    return Table(title, pd.DataFrame(cells), {"%": ".2f"}, (*leader(first), *explained))
 
 
 def by_objective(solutions: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -202,10 +209,10 @@ def proof(row: Row) -> str:
     if pd.isna(gap):
         return "not examined"
     if gap <= row["tolerance"] * PROVED_BUT_FOR_ROUNDING:
-        return f"proved to {power_of_ten(gap)}"
+        return f"{PROVED} {power_of_ten(gap)}"
     if region == "v" and row["v_wall"]:
-        return f"beaten on its wall {row['v_wall']}, by {power_of_ten(gap)} at most"
-    return f"open, gap {power_of_ten(gap)}"
+        return f"{BEATEN} {row['v_wall']}, by {power_of_ten(gap)} at most"
+    return f"{OPEN}, gap {power_of_ten(gap)}"
 
 
 def power_of_ten(value: float) -> str:

@@ -163,6 +163,12 @@ class TestProof:
         row = two_optima.iloc[1].to_dict() | changes
         assert proof(row) == words
 
+    def test_each_word_that_is_used_is_explained(self, two_optima):
+        beaten = both_optima(two_optima.assign(v_certified_gap=2e-3, v_wall="y_lower"))
+        explained = [note.split()[0] for note in beaten.notes[2:]]
+        assert explained == ["proved", "beaten"]
+        assert [note.split()[0] for note in both_optima(two_optima).notes[2:]] == ["proved"]
+
 
 class TestBasins:
     def test_lists_every_optimum_with_its_evidence(self, two_optima):
