@@ -6,7 +6,7 @@ folders are all made from these lists.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 SCHEMA_VERSION = 1
 """Raised by hand when a column is added, removed or given another meaning."""
@@ -203,7 +203,19 @@ FLOCK_SUMMARY_ONLY = (
     Column("saving_total_mean", "1", "mean saving of total power over the birds placed"),
 )
 
+# In a flock's rows the leader is the bird that a row's bird follows, so but for the first its stroke is an outcome.
+STROKE_AHEAD = {
+    "leader_amplitude_m": "tip-to-tip flapping amplitude of the bird that it follows",
+    "leader_upstroke_span_ratio": "upstroke span over downstroke span of the bird that it follows",
+}
+INPUTS_OF_A_BIRD = tuple(
+    replace(column, description=STROKE_AHEAD[column.name], agreement=PLACE)
+    if column.name in STROKE_AHEAD
+    else column
+    for column in INPUTS
+)
+
 SOLUTIONS_COLUMNS = (*OUTCOME, *INPUTS, *SOLUTION, *CERTIFICATE)
-FLOCK_COLUMNS = (*OUTCOME, *INPUTS, *FLOCK_INPUTS, *FLOCK_PLACE, *SOLUTION, *CERTIFICATE)
+FLOCK_COLUMNS = (*OUTCOME, *INPUTS_OF_A_BIRD, *FLOCK_INPUTS, *FLOCK_PLACE, *SOLUTION, *CERTIFICATE)
 SUMMARY_COLUMNS = (*SOLUTIONS_COLUMNS, *SUMMARY_ONLY)
 FLOCK_SUMMARY_COLUMNS = (*OUTCOME, *INPUTS, *FLOCK_INPUTS, *FLOCK_SUMMARY_ONLY)

@@ -20,9 +20,8 @@ OF_THE_SOLVER = ("seed", "tolerance", "solver")
 KEY = ("species", "objective") + tuple(
     column.name for column in (*of.INPUTS, *of.FLOCK_INPUTS) if column.name not in OF_THE_SOLVER
 )
-COLUMNS = {
-    column.name: column for column in (*of.SUMMARY_COLUMNS, *of.FLOCK_COLUMNS, *of.FLOCK_SUMMARY_COLUMNS)
-}
+COLUMNS = {column.name: column for column in (*of.SUMMARY_COLUMNS, *of.FLOCK_SUMMARY_COLUMNS)}
+COLUMNS_OF_A_BIRD = {column.name: column for column in of.FLOCK_COLUMNS}
 # Ids follow from the inputs and the model's version, which may differ.
 IDS = ("job_id", "flock_id")
 # Inputs are equal if they print the same to so many digits.
@@ -114,7 +113,8 @@ def compare(first: pa.Table, second: pa.Table) -> Comparison:
     shared = [key for key in keys if key in other_places]
     left = first.take(pa.array([places[key] for key in shared], pa.int64()))
     right = second.take(pa.array([other_places[key] for key in shared], pa.int64()))
-    differences = [_difference(left, right, COLUMNS[name]) for name in first.column_names if name not in IDS]
+    columns = COLUMNS_OF_A_BIRD if "bird" in first.column_names else COLUMNS
+    differences = [_difference(left, right, columns[name]) for name in first.column_names if name not in IDS]
     return Comparison(
         len(shared),
         _jobs(first, [place for key, place in places.items() if key not in other_places]),
@@ -133,10 +133,15 @@ def _keys(table: pa.Table) -> list[tuple[Any, ...]]:
     Rows that agree in all of that, as those of several seeds do, are told apart by their order.
     """
     names = [name for name in (*KEY, "bird") if name in table.column_names]
-    values = [[_plain(value) for value in table.column(name).to_pylist()] for name in names]
+    values = {name: [_plain(value) for value in table.column(name).to_pylist()] for name in names}
+    for name in of.STROKE_AHEAD if "bird" in names else ():
+        # Of a flock's rows the first bird's states the input.
+        for place, bird in enumerate(values["bird"]):
+            if bird is not None and bird > 1:
+                values[name][place] = values[name][place - 1]
     counts: dict[tuple[Any, ...], int] = {}
     keys = []
-    for key in zip(*values, strict=True):
+    for key in zip(*values.values(), strict=True):
         counts[key] = counts.get(key, 0) + 1
         keys.append((*key, counts[key]))
     return keys

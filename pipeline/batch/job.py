@@ -167,14 +167,19 @@ def _solve_pair(job: Job) -> tuple[str, str, list[Row]]:
 
 
 def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:
-    from pipeline.optimum import solve_flock
-
     bird = _bird(job)
     if isinstance(bird, str):
         return of.INFEASIBLE, bird, []
+    return of.SOLVED, "", flock_of(job, bird).rows()
+
+
+def flock_of(job: Job, bird: Any = None) -> Any:
+    """Return the flock of a job, a `FlockSolution`; `bird` is the job's own if not given."""
+    from pipeline.optimum import solve_flock
+
     choices = {name: getattr(job, name) for name in ("reading", "shape", "wake", "wavelengths")}
-    solution = solve_flock(
-        bird,
+    return solve_flock(
+        bird or _bird(job),
         job.birds or 0,
         job.objective,
         model=_model(job),
@@ -182,7 +187,6 @@ def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:
         tolerance=job.tolerance,
         **choices,
     )
-    return of.SOLVED, "", solution.rows()
 
 
 def _bird(job: Job) -> Any:

@@ -10,6 +10,7 @@ import click
 
 from pipeline.aero.power import COST_FUNCTIONS
 from pipeline.species import AMPLITUDE_CONVENTIONS
+from pipeline.sweep.file import FLOCK_CHOICES
 
 as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
 
@@ -78,3 +79,69 @@ def optimum(show_all: bool, json_output: bool, **chosen: Any) -> None:
     rows = table.to_pandas()
     click.echo(answer(rows, show_all))
     click.echo(f"solved in {rows['solve_time_s'].iloc[0]:.2f} s", err=True)
+
+
+@click.command()
+@problem
+@click.option(
+    "--birds", type=click.IntRange(2), default=6, show_default=True, help="Birds, the first one included."
+)
+@click.option(
+    "--shape",
+    type=click.Choice(FLOCK_CHOICES["shape"]),
+    default="echelon",
+    show_default=True,
+    help="One line, two from one leader, or one that changes sides.",
+)
+@click.option(
+    "--wake",
+    type=click.Choice(FLOCK_CHOICES["wake"]),
+    default="neighbour",
+    show_default=True,
+    help="Whether a bird feels the wake of the bird that it follows, or of every bird ahead.",
+)
+@click.option(
+    "--wavelengths", type=click.IntRange(1), default=1, show_default=True, help="Length of each wake."
+)
+@click.option(
+    "--reading",
+    type=click.Choice(FLOCK_CHOICES["reading"]),
+    default="immediate",
+    show_default=True,
+    help="Whose amplitude bounds a bird's: that of the bird that it follows, or a lone bird's.",
+)
+@click.option("--joint", is_flag=True, help="Improve all birds together, for the sum of their costs.")
+@as_json
+def flock(joint: bool, json_output: bool, **chosen: Any) -> None:
+    r"""Chain pairs into a flock: each bird flies where it flies best behind those ahead of it.
+
+    SPECIES is a name in the library or the path of a TOML file. A bird for which there is no place ends the
+    flock, and the last line says why. JSON holds every bird, by the columns of flock.parquet.
+
+    \b
+    Example:
+      upwash flock northern-bald-ibis --birds 6 --objective power
+      upwash flock northern-bald-ibis --shape vee --wake all-upstream --joint
+    """
+    from pipeline.batch.job import flock_of, inputs_of, solve
+    from pipeline.batch.store import FLOCK, table_of
+    from pipeline.report.flock_answer import flock_answer, flock_record
+    from pipeline.sweep.single import single_job
+
+    job = single_job("flock", **chosen)
+    chain = table_of(solve(job), FLOCK)
+    improved = None
+    if joint:
+        from pipeline.optimum import improve_together
+
+        solution = improve_together(flock_of(job))
+        improved = table_of([inputs_of(job) | row for row in solution.flock.rows()], FLOCK)
+    if json_output:
+        record = flock_record((improved or chain).to_pylist())
+        if improved:
+            record |= {"stationarity": solution.stationarity, "given_up": [0.0, *solution.given_up]}
+        click.echo(json.dumps(record, indent=2, allow_nan=False))
+    elif improved:
+        click.echo(flock_answer(improved.to_pandas(), chain.to_pandas()))
+    else:
+        click.echo(flock_answer(chain.to_pandas()))

@@ -7,9 +7,8 @@ the mean power of all places.  On a given store of energy and at the same speed,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-
-from pipeline.optimum.flock_solution import FlockSolution
 
 
 @dataclass(frozen=True)
@@ -20,39 +19,29 @@ class Turns:
     ----------
     birds : int
         Its size.
-    saving_total_mean : float
-        Share of a lone bird's total power that each bird saves.
-    cost_mean : float
-        Mean of the cost that was minimised, over a lone bird's.
+    saving_mean : float
+        Share of a lone bird's power that each bird saves.
     range_gained : float
         How much further each bird gets than alone, as a share of the range alone.
     """
 
     birds: int
-    saving_total_mean: float
-    cost_mean: float
+    saving_mean: float
     range_gained: float
 
 
-def take_turns(flock: FlockSolution) -> list[Turns]:
-    """Return what taking turns brings, for the flock and for each smaller one: its first birds.
+def take_turns(savings: Sequence[float]) -> list[Turns]:
+    """Return what taking turns brings to a flock, and to each smaller one: its first birds.
 
     Parameters
     ----------
-    flock : FlockSolution
-        A flock; a bird that has no place is left out.
+    savings : sequence of float
+        Share of a lone bird's power that is saved in each place, from the first, where it is 0.
 
     Returns
     -------
     list of Turns
         From two birds up to all.
     """
-    found = []
-    saving, cost = 0.0, 1.0
-    for birds, one in enumerate(flock.placed[1:], start=2):
-        assert one.optimum is not None
-        saving += one.optimum.saving_total
-        cost += one.optimum.cost / one.optimum.cost_leader
-        mean = saving / birds
-        found.append(Turns(birds, mean, cost / birds, 1.0 / (1.0 - mean) - 1.0))
-    return found
+    means = [sum(savings[:birds]) / birds for birds in range(2, len(savings) + 1)]
+    return [Turns(birds, mean, 1.0 / (1.0 - mean) - 1.0) for birds, mean in enumerate(means, start=2)]

@@ -1,0 +1,85 @@
+"""A flock as the batch layer stores it: by its columns, checked by recomputation, compared bird by bird."""
+
+import pyarrow as pa
+import pytest
+
+from pipeline.batch import columns as of
+from pipeline.batch.check import of_rows
+from pipeline.batch.compare import compare
+from pipeline.batch.job import solve
+from pipeline.batch.store import FLOCK, table_of
+from pipeline.sweep.single import single_job
+
+CHOICES = [
+    {"shape": "echelon", "wake": "neighbour", "reading": "immediate"},
+    {"shape": "vee", "wake": "neighbour", "reading": "lone"},
+    {"shape": "vee", "wake": "all-upstream", "reading": "immediate"},
+    {"shape": "alternating", "wake": "all-upstream", "reading": "immediate"},
+]
+
+
+def rows_of(birds=5, wavelengths=1, **choice):
+    job = single_job(
+        "flock",
+        "northern-bald-ibis",
+        (),
+        "stroke-angle",
+        objective="force",
+        seed=0,
+        tolerance=1e-4,
+        birds=birds,
+        wavelengths=wavelengths,
+        **choice,
+    )
+    return table_of(solve(job), FLOCK).to_pylist()
+
+
+@pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: "-".join(choice.values()))
+def test_a_flock_passes_every_check(choice):
+    assert of_rows(rows_of(**choice), "flock") == []
+
+
+def test_a_flock_with_longer_wakes_does_too():
+    assert of_rows(rows_of(birds=3, wavelengths=2, **CHOICES[2]), "flock") == []
+
+
+def test_a_bird_that_is_moved_is_noticed():
+    rows = rows_of(**CHOICES[0])
+    rows[3]["y_m"] += 1e-3
+    assert {one.column for one in of_rows(rows, "flock")} >= {"lift_wake_n", "y_flock_m"}
+
+
+def test_the_first_bird_is_a_lone_bird():
+    first = rows_of(**CHOICES[0])[0]
+    assert (first["bird"], first["leader"], first["status"]) == (1, None, of.SOLVED)
+    assert (first["x_flock_m"], first["y_flock_m"], first["z_flock_m"], first["phase_flock"]) == (0, 0, 0, 0)
+    assert first["saving_total"] == first["lift_wake_n"] == first["thrust_wake_n"] == 0.0
+    assert first["cost"] == first["cost_leader"]
+    assert first["x_m"] is first["is_v_optimum"] is first["rank"] is None
+
+
+def test_a_row_states_the_stroke_of_the_bird_that_is_followed():
+    rows = rows_of(**CHOICES[2])
+    for row in rows[1:]:
+        ahead = rows[row["leader"] - 1]
+        assert row["leader_amplitude_m"] == ahead["amplitude_m"]
+        assert row["leader_upstroke_span_ratio"] == ahead["upstroke_span_ratio"]
+
+
+def test_the_row_that_ends_a_flock_says_so_and_the_others_are_kept():
+    rows = rows_of(birds=6, **CHOICES[3])
+    assert [row["status"] for row in rows] == [of.SOLVED] * 3 + [of.INFEASIBLE]
+    assert of.cause_of(rows[-1]["error"]) == "no V optimum"
+    assert rows[-1]["x_m"] is rows[-1]["v_lower_bound"] is None
+    assert rows[-1]["v_certified_gap"] is None
+
+
+def test_two_runs_agree_though_rounding_reaches_the_next_link():
+    rows = rows_of(**CHOICES[0])
+    nearly = [dict(row) for row in rows]
+    for row in nearly[2:]:
+        row["leader_amplitude_m"] *= 1.0 + 1e-9
+    tables = [pa.Table.from_pylist(one, schema=FLOCK) for one in (rows, nearly)]
+    assert compare(*tables).agrees
+    nearly[2]["leader_amplitude_m"] *= 1.001
+    assert not compare(tables[0], pa.Table.from_pylist(nearly, schema=FLOCK)).agrees
