@@ -24,8 +24,6 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "species": ("species", "List, show, check or start species files."),
         "optimum": ("solve", "Find the best positions of one bird behind another."),
         "flock": ("solve", "Chain pairs into a flock."),
-        "field": ("solve", "Map the wake-induced force over a plane."),
-        "animate": ("solve", "Animate a flock flapping in its wakes."),
     },
     "Sweeps over many": {
         "run": ("runs", "Solve every job of a sweep; finished jobs are kept."),
@@ -38,7 +36,6 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     },
     "The paper": {
         "reproduce": ("reproduce", "Redo the paper, and print its table beside ours."),
-        "claims": ("reproduce", "Judge each claim of the paper by our numbers."),
     },
 }
 

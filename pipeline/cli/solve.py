@@ -1,4 +1,4 @@
-"""Single problems: optimum, flock, field, animate."""
+"""Single problems: optimum, flock."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import click
 
 from pipeline.aero.power import COST_FUNCTIONS
 from pipeline.species import AMPLITUDE_CONVENTIONS
-from pipeline.sweep.file import FLOCK_CHOICES
+from pipeline.sweep.job import FLOCK_CHOICES
 
 as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
 

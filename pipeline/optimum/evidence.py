@@ -7,6 +7,9 @@ of the two sides (in the generalised gradient): the multiplier of the edge, told
 Where more surfaces meet than there are variables, as when a follower flaps just as far as the bird ahead and
 two core edges cross on that bound, multipliers are not unique and an edge may even be a ridge that the bound
 keeps shut.  There the point is stationary if it is so within each of the smooth pieces that meet in it.
+
+A bound may also be reached without being pressed on: straight behind the leader everything is level to port and
+starboard, by symmetry, and whether the follower gains by moving aside is told by the curvature alone.
 """
 
 from __future__ import annotations
@@ -30,6 +33,10 @@ ON_BOUND = 1e-9
 """Largest distance from a bound, in units of the variable's scale, of a point that lies on it."""
 
 
+PRESSED = 1e-8
+"""Least multiplier, per unit of `SCALE`, of a bound that holds the point; a lesser one leaves its variable free."""
+
+
 @dataclass(frozen=True)
 class Evidence:
     """What holds at a point.
@@ -45,8 +52,8 @@ class Evidence:
     stationarity : float
         What is left of the generalised gradient of the Lagrangian, per unit of `SCALE`; 0 at an optimum.
     curvature : float or None
-        Least curvature of the Lagrangian along the directions that all active constraints leave free, per
-        unit of `SCALE` squared; None if none is left.
+        Least curvature of the Lagrangian along the directions that balances, edges and the bounds pressed on
+        leave free, per unit of `SCALE` squared; None if none is left.
     """
 
     active_bounds: tuple[str, ...]
@@ -122,7 +129,9 @@ def gather_evidence(
         np.empty((8, 6)),
         hessian,
     )
-    _, singular, rows = np.linalg.svd(columns.T)
+    is_held = np.ones(columns.shape[1], dtype=bool)
+    is_held[2 + len(on_edge) :] = solution[2 + len(on_edge) :] > PRESSED
+    _, singular, rows = np.linalg.svd(columns[:, is_held].T)
     free = rows[np.sum(singular > 1e-9 * max(1.0, singular[0])) :]
     curvature = None
     if len(free):

@@ -14,7 +14,7 @@ from pipeline.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_
 from pipeline.species.file import did_you_mean, printable
 from pipeline.sweep.block import PARAMETERS, WHOLE, Block, Condition, Sample
 from pipeline.sweep.entry import Entry, read_toml
-from pipeline.sweep.job import BUILT_IN_SOLVER, Job
+from pipeline.sweep.job import BUILT_IN_SOLVER, FLOCK_CHOICES, Job
 from pipeline.sweep.values import SAMPLERS, Setting, is_number, sampling_range, settings
 
 # Beside the package in a checkout, which is how Upwash is installed (pip install --editable).
@@ -28,11 +28,6 @@ FLOCK_DEFAULTS: dict[str, Any] = {
     "wake": "neighbour",
     "reading": "immediate",
     "wavelengths": 1,
-}
-FLOCK_CHOICES = {
-    "shape": ("echelon", "vee", "alternating"),
-    "wake": ("neighbour", "all-upstream"),
-    "reading": ("immediate", "lone"),
 }
 FILE_KEYS = ("name", "description", "kind", "solver", "block")
 BLOCK_KEYS = ("species", *DEFAULTS, "fixed", "grid", "zip", "sample", "exclude", "flock")

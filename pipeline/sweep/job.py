@@ -13,6 +13,13 @@ MODEL_VERSION = 1
 BUILT_IN_SOLVER = "upwash"
 """The solver that every sweep uses unless it names another as ``package.module:function``."""
 
+FLOCK_CHOICES = {
+    "shape": ("echelon", "vee", "alternating"),
+    "wake": ("neighbour", "all-upstream"),
+    "reading": ("immediate", "lone"),
+}
+"""What a flock's shape, wake and reading of the amplitude bound may be."""
+
 ID_BYTES = 8
 
 
