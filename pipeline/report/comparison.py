@@ -8,14 +8,21 @@ from __future__ import annotations
 
 import pandas as pd
 
-from pipeline.batch.columns import SOLVED, TEXT, TRUTH, Column
+from pipeline.batch.columns import INTEGER, SOLVED, TEXT, TRUTH, Column
 from pipeline.report.intervals import BIRD, COUNTS, KEYS, ends_of, interval_columns, intervals
-from pipeline.report.quantities import GROUPS, QUANTITIES, optima_of_jobs
+from pipeline.report.quantities import ALIKE, GROUPS, QUANTITIES, optima_of_jobs
 
 NAMES = (
     Column("species", "", "species file, without .toml", TEXT),
     Column("objective", "", "name of the cost function", TEXT),
     Column("amplitude_convention", "", "how the leader's amplitude was chosen", TEXT),
+)
+ALIKE_V = (
+    Column(
+        "v_alike", "1", f"optima in a V that cost the V optimum's to within {ALIKE:.1%}, itself one", INTEGER
+    ),
+    Column("v_alike_saving_low", "1", "least share of the leader's total power saved among them"),
+    Column("v_alike_saving_high", "1", "largest share of the leader's total power saved among them"),
 )
 BEST = (
     Column(
@@ -38,6 +45,7 @@ COMPARISON = (
     Column("remark", "", "why there is no V optimum, or what to know of it", TEXT),
     *GROUPS,
     *QUANTITIES,
+    *ALIKE_V,
     *BEST,
     *interval_columns(QUANTITIES),
     *COUNTS,

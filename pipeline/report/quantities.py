@@ -52,6 +52,9 @@ GAP = (Column("v_gap", "1", "cost of the V optimum over that of the best optimum
 QUANTITIES = (*POSITION, *SAVING, *STROKE, *GAP)
 """What a V optimum is compared by; each can have an uncertainty interval."""
 
+ALIKE = 1e-3
+"""Optima in a V whose costs differ by no more than this, as a fraction, are alike to a bird that minds the cost."""
+
 # What is true of the job and not of one of its optima.
 OF_THE_JOB = tuple(
     column.name
@@ -126,9 +129,12 @@ def optima_of_jobs(rows: pd.DataFrame) -> pd.DataFrame:
     -------
     DataFrame
         By job id: the job's inputs and outcome, `GROUPS`, `QUANTITIES` (NaN without a V optimum), ``has_v``,
-        ``v_gap_bound`` (the V optimum's cost over what is proved to be the least, less 1), and of the best
-        optimum found placement, tier, station, position and saving, with the prefix ``best_``.
+        ``v_gap_bound`` (the V optimum's cost over what is proved to be the least, less 1), ``v_alike`` (how many
+        optima in a V cost the same to within `ALIKE`) with the least and largest ``saving_total`` among them,
+        and of the best optimum found placement, tier, station, position and saving, with the prefix ``best_``.
     """
+    from pipeline.optimum.solution import V_LABELS
+
     scaled = with_quantities(rows)
     best = scaled.sort_values(["job_id", "rank"]).drop_duplicates("job_id").set_index("job_id")
     in_v = scaled[scaled["is_v_optimum"].eq(True)].set_index("job_id").reindex(best.index)
@@ -139,6 +145,12 @@ def optima_of_jobs(rows: pd.DataFrame) -> pd.DataFrame:
     found["v_gap"] = in_v["cost"] / best["cost"] - 1.0
     found["v_gap_bound"] = in_v["cost"] / best["global_lower_bound"] - 1.0
     found["has_v"] = in_v["cost"].notna()
+    is_in_v = (scaled[["placement", "tier", "station"]] == list(V_LABELS)).all(axis=1)
+    cost_of_v = scaled["job_id"].map(in_v["cost"])
+    alike = scaled[is_in_v & (scaled["cost"] <= (1.0 + ALIKE) * cost_of_v)].groupby("job_id")["saving_total"]
+    found["v_alike"] = alike.size().reindex(found.index, fill_value=0)
+    found["v_alike_saving_low"] = alike.min().reindex(found.index)
+    found["v_alike_saving_high"] = alike.max().reindex(found.index)
     for name in ("placement", "tier", "station", "x_semispans", "y_semispans", "z_semispans", "saving_total"):
         found[f"best_{name}"] = best[name]
     return found

@@ -6,7 +6,7 @@ import pandas as pd
 
 from pipeline.report.mechanism import STATEMENTS
 from pipeline.report.observations import NOT_COMPARED
-from pipeline.report.quantities import GROUPS
+from pipeline.report.quantities import ALIKE, GROUPS
 from pipeline.report.table import ABSENT, Table, cell
 
 # Head of a column -> quantity, factor and format of its numbers.
@@ -64,14 +64,25 @@ def comparison_tables(compared: pd.DataFrame) -> list[Table]:
     tables = []
     for (objective, convention), group in compared.groupby(["objective", "amplitude_convention"], sort=False):
         frame = pd.DataFrame(
-            {"species": group["species"], **_written(group, POSITION | SAVING | STROKE | GAP)}
-            | {"remark": group["remark"].replace("", ABSENT)}
+            {"species": group["species"], **_written(group, POSITION | SAVING)}
+            | {"alike %": [_alike(row) for _, row in group.iterrows()]}
+            | {**_written(group, STROKE | GAP), "remark": group["remark"].replace("", ABSENT)}
         )
-        notes = ["gap: cost of the V optimum above that of the best optimum found"]
+        notes = [
+            f"alike: what all the optima in a V save that cost the same to within {ALIKE:.1%}",
+            "gap: cost of the V optimum above that of the best optimum found",
+        ]
         if group["samples"].notna().any():
             notes.append(f"{INTERVALS}; {_samples(group)}")
         tables.append(Table(f"V optima by {objective}, amplitude by {convention}", frame, notes=tuple(notes)))
     return tables
+
+
+def _alike(row: pd.Series) -> str:
+    """Write the range of savings among optima in a V that cost the same, if there are several."""
+    if row["v_alike"] < 2:
+        return ABSENT
+    return " to ".join(cell(100.0 * row[f"v_alike_saving_{end}"], ".1f") for end in ("low", "high"))
 
 
 def overview_table(compared: pd.DataFrame) -> Table:

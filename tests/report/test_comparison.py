@@ -163,6 +163,17 @@ class TestQuantities:
         solved = compared[compared["has_v"]]
         assert (solved["v_gap_bound"] >= solved["v_gap"]).all()
 
+    def test_optima_in_a_v_of_equal_cost_may_save_differently(self, rows):
+        swan = rows_of(rows, "mute-swan")
+        v = swan[swan["is_v_optimum"].eq(True)]
+        twin = v.assign(rank=90, is_v_optimum=False, cost=v["cost"] * 1.0009, saving_total=0.5)
+        dearer = v.assign(rank=91, is_v_optimum=False, cost=v["cost"] * 1.0011, saving_total=0.9)
+        stacked = v.assign(rank=92, is_v_optimum=False, tier="stacked", saving_total=0.7)
+        row = compare(pd.concat([swan, twin, dearer, stacked])).iloc[0]
+        assert row["v_alike"] == compare(swan).iloc[0]["v_alike"] + 1
+        assert row["v_alike_saving_high"] == 0.5
+        assert row["v_alike_saving_low"] <= row["saving_total"]
+
     def test_the_ibis_is_the_same_bird_under_both_conventions(self, compared):
         both = [compared.loc["northern-bald-ibis", "force", one] for one in ("stroke-angle", "strouhal")]
         assert both[0]["saving_total"] == pytest.approx(both[1]["saving_total"], rel=1e-9)
