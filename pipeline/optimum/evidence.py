@@ -91,8 +91,8 @@ def gather_evidence(
     for number, (lane, filament) in enumerate(representative):
         distances[number] = edge_distance(point, lanes, core2, lane, filament, normals[number])
     on_edge = np.flatnonzero(np.abs(distances) < ON_EDGE)
-    edges = np.full((4, lanes.shape[1]), core2)
-    edges[np.isin(group, on_edge)] = np.inf
+    # The sides are held as they are, for an edge may be nearer than the step of the differences below.
+    edges = np.where(distances[group] < ON_EDGE, np.inf, -1.0)
     residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
     evaluate(point, lanes, edges, problem.constants, residual, gradient, jacobian)
 

@@ -226,10 +226,14 @@ def _settle(number: int, leader: int, followed: Place, side: float, solution: Pa
 
 def _why_none(leader: int, solution: PairSolution) -> str:
     """Say why a bird has no V optimum, in one line."""
-    if not solution.optima:
-        return f"no balance: expected a place behind bird {leader} where lift and thrust balance, found none"
-    expected = f"no V optimum: expected one outboard, level and astern of bird {leader}"
     proof = solution.proof
+    if not solution.optima:
+        is_proved = proof.global_lower_bound is not None and math.isinf(proof.global_lower_bound)
+        found = "a proof that there is none" if is_proved else "none"
+        return (
+            f"no balance: expected a place behind bird {leader} where lift and thrust balance, found {found}"
+        )
+    expected = f"no V optimum: expected one outboard, level and astern of bird {leader}"
     if proof.v_wall:
         return f"{expected}, found the best such place on the wall {proof.v_wall}, beyond which it is better"
     if math.isinf(proof.v_lower_bound):

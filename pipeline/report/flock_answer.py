@@ -9,7 +9,7 @@ import pandas as pd
 
 from pipeline.batch import columns as of
 from pipeline.optimum.rotation import take_turns
-from pipeline.report.table import Table
+from pipeline.report.table import ABSENT, Table
 from pipeline.report.tables import PROVED_BUT_FOR_ROUNDING, words_of
 
 READINGS = {
@@ -123,5 +123,7 @@ def flock_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
 def _proof(row: Any) -> str:
     gap = row["v_certified_gap"]
     if pd.isna(gap):
-        return "-"
-    return "proved" if gap <= row["tolerance"] * PROVED_BUT_FOR_ROUNDING else f"open, gap {gap:.1e}"
+        return ABSENT
+    if gap <= row["tolerance"] * PROVED_BUT_FOR_ROUNDING:
+        return "proved"
+    return f"beaten on its wall {row['v_wall']} by {gap:.1e}" if row["v_wall"] else f"open, gap {gap:.1e}"

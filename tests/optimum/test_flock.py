@@ -6,6 +6,7 @@ Where a sentence of the paper is tested, the test quotes what it says of its mul
 import numpy as np
 import pytest
 
+from pipeline import load_species, solve_pair
 from pipeline.optimum.flock import felt_by, leader_of, row_of, side_of, solve_flock
 from pipeline.optimum.flock_solution import on_side
 from pipeline.optimum.rotation import take_turns
@@ -198,6 +199,22 @@ class TestShapes:
         # In a vee those abreast are not ahead; the own side comes before the other, the leader last.
         assert felt_by(6, "vee", "all-upstream") == [1, 2, 3, 5, 4]
         assert felt_by(7, "vee", "all-upstream") == [1, 3, 2, 4, 5]
+
+
+class TestAnEdgeCloseBy:
+    def test_hides_no_optimum(self):
+        # Behind the fifth pelican a third core edge passes some micrometres from where the sixth is pinned.
+        pelican = load_species("great-white-pelican").bird()
+        sixth = solve_pair(
+            pelican,
+            "power",
+            leader_amplitude_m=0.6432569857159309,
+            leader_upstroke_span_ratio=0.38944971627268604,
+            amplitude_limit_m=pelican.amplitude_m,
+        )
+        assert sixth.v_optimum.cost / sixth.v_optimum.cost_leader == pytest.approx(0.71577, abs=1e-5)
+        assert sixth.v_optimum.curvature > 0.0
+        assert sixth.proof.v_certified_gap <= 1e-4 * (1 + 1e-6)
 
 
 class TestTheEndOfAFlock:
