@@ -20,7 +20,9 @@ OF_THE_SOLVER = ("seed", "tolerance", "solver")
 KEY = ("species", "objective") + tuple(
     column.name for column in (*of.INPUTS, *of.FLOCK_INPUTS) if column.name not in OF_THE_SOLVER
 )
-COLUMNS = {column.name: column for column in (*of.SUMMARY_COLUMNS, *of.FLOCK_SUMMARY_COLUMNS)}
+COLUMNS = {
+    column.name: column for column in (*of.FLOCK_COLUMNS, *of.FLOCK_SUMMARY_COLUMNS, *of.SUMMARY_COLUMNS)
+}
 COLUMNS_OF_A_BIRD = {column.name: column for column in of.FLOCK_COLUMNS}
 # Ids follow from the inputs and the model's version, which may differ.
 IDS = ("job_id", "flock_id")

@@ -246,6 +246,9 @@ def show(results: str, job: str, as_json: bool) -> None:
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     for line in lines:
         click.echo("  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)))
+    for row in rows if len(rows) > 1 else ():
+        if row["error"]:
+            click.echo(f"bird {row['bird']}: {row['error']}")
 
 
 def _cell(value: Any) -> str:

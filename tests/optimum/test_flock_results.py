@@ -2,12 +2,14 @@
 
 import pyarrow as pa
 import pytest
+from click.testing import CliRunner
 
 from pipeline.batch import columns as of
 from pipeline.batch.check import of_rows
 from pipeline.batch.compare import compare
 from pipeline.batch.job import solve
-from pipeline.batch.store import FLOCK, table_of
+from pipeline.batch.store import FLOCK, encode, provenance, table_of
+from pipeline.cli import main
 from pipeline.sweep.single import single_job
 
 CHOICES = [
@@ -18,8 +20,8 @@ CHOICES = [
 ]
 
 
-def rows_of(birds=5, wavelengths=1, **choice):
-    job = single_job(
+def job_of(birds=5, wavelengths=1, **choice):
+    return single_job(
         "flock",
         "northern-bald-ibis",
         (),
@@ -31,7 +33,10 @@ def rows_of(birds=5, wavelengths=1, **choice):
         wavelengths=wavelengths,
         **choice,
     )
-    return table_of(solve(job), FLOCK).to_pylist()
+
+
+def rows_of(**choice):
+    return table_of(solve(job_of(**choice)), FLOCK).to_pylist()
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: "-".join(choice.values()))
@@ -83,3 +88,30 @@ def test_two_runs_agree_though_rounding_reaches_the_next_link():
     assert compare(*tables).agrees
     nearly[2]["leader_amplitude_m"] *= 1.001
     assert not compare(tables[0], pa.Table.from_pylist(nearly, schema=FLOCK)).agrees
+
+
+class TestAStoredFlock:
+    @pytest.fixture(scope="class")
+    @classmethod
+    def folder(cls, tmp_path_factory):
+        """A results folder that holds a flock which ends early."""
+        path = tmp_path_factory.mktemp("results")
+        data = encode(solve(job_of(**CHOICES[3])), FLOCK, provenance(""))
+        (path / "flock.parquet").write_bytes(data)
+        return str(path)
+
+    @staticmethod
+    def upwash(*arguments):
+        result = CliRunner().invoke(main, arguments, prog_name="upwash")
+        assert result.exit_code == 0, result.output
+        return result.output
+
+    def test_is_shown_bird_by_bird_and_says_why_it_ends(self, folder):
+        text = self.upwash("show", folder, job_of(**CHOICES[3]).job_id)
+        assert "wavelengths                 1" in text
+        assert text.splitlines()[-1].startswith("bird 4: no V optimum: expected one outboard")
+        birds = [line.split()[:2] for line in text.splitlines()[-5:-1]]
+        assert birds == [["1", "-"], ["2", "1"], ["3", "2"], ["4", "3"]]
+
+    def test_is_the_same_when_it_is_solved_again(self, folder):
+        assert "agree in 4 rows" in self.upwash("rerun", folder, job_of(**CHOICES[3]).job_id)
