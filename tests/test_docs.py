@@ -12,6 +12,14 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from pipeline.batch.columns import (
+    FLOCK_COLUMNS,
+    FLOCK_SUMMARY_COLUMNS,
+    SOLUTIONS_COLUMNS,
+    SUMMARY_COLUMNS,
+    TEXT,
+    TRUTH,
+)
 from pipeline.cli import main
 
 ROOT = Path(__file__).parents[1]
@@ -29,6 +37,8 @@ def blocks(page):
     """Return a page's fenced blocks, each as its language, its title if it has one, and its text."""
     return [(m["language"], m["title"], m["body"]) for m in FENCE.finditer(page.read_text(encoding="utf-8"))]
 
+
+COLUMN_TABLES = ("Quantities", "Other columns")
 
 # What this page shows is run on real results by the tests of reading them back.
 RUN_ELSEWHERE = {"sweeps.md"}
@@ -81,6 +91,27 @@ def test_code_in_the_documentation_does_what_it_shows(page, tmp_path, monkeypatc
             exec(compile(body, str(page), "exec"), names)
         elif language == "console":
             run_session(body)
+
+
+def column_units():
+    """Return the unit of each column that the nomenclature lists, as written there."""
+    page = (DOCS / "nomenclature.md").read_text(encoding="utf-8")
+    quantities, others = (page.partition(f"## {head}\n")[2].partition("\n## ")[0] for head in COLUMN_TABLES)
+    rows = re.findall(r"^\|[^|]+\|[^|]+\|[^|]+\| (`\w+`(?:, `\w+`)*) \| ([^|]+) \|", quantities, flags=re.M)
+    rows += re.findall(r"^\| (`\w+`) \| ([^|]+) \|", others, flags=re.M)
+    return [(name, unit) for cell, unit in rows for name in re.findall(r"\w+", cell)]
+
+
+def test_every_column_of_the_results_is_in_the_nomenclature_once_with_its_unit():
+    tables = (SOLUTIONS_COLUMNS, SUMMARY_COLUMNS, FLOCK_COLUMNS, FLOCK_SUMMARY_COLUMNS)
+    units = {
+        column.name: {TEXT: "text", TRUTH: "yes or no"}.get(column.type, column.unit)
+        for table in tables
+        for column in table
+    }
+    listed = column_units()
+    assert sorted(name for name, _ in listed) == sorted(units)
+    assert {name: unit.replace("³", "3").replace("²", "2") for name, unit in listed} == units
 
 
 def equations():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from pipeline.report.mechanism import STATEMENTS
-from pipeline.report.observations import NOT_COMPARED
+from pipeline.report.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
 from pipeline.report.quantities import ALIKE, GROUPS
 from pipeline.report.table import ABSENT, Table, cell
 
@@ -27,6 +27,7 @@ STROKE = {
 }
 GAP = {"gap %": ("v_gap", 100.0, ".2f")}
 
+THE_PAPER = "arXiv:2602.22043"
 NO_V = "no V"
 INTERVALS = "in brackets: 5 % and 95 % quantiles of the samples from each species' own ranges"
 HEADS = {
@@ -203,11 +204,20 @@ def observations_tables(observed: pd.DataFrame) -> list[Table]:
         As `pipeline.report.observations.compare_with_observations` returns.
     """
     compared = observed[observed["verdict"] != NOT_COMPARED]
-    counts = compared.groupby(["basis", "objective", "amplitude_convention", "verdict"]).size()
+    # What the paper got from this very model is no observation.
+    basis = compared["basis"].mask(
+        compared["study"].str.contains(THE_PAPER, regex=False), "computed, by the paper itself"
+    )
+    counts = (
+        compared.groupby([basis, "objective", "amplitude_convention", "verdict"])
+        .size()
+        .unstack(fill_value=0)
+        .reindex(columns=[AGREES, NEAR, ABOVE, BELOW], fill_value=0)
+    )
     others = observed[observed["verdict"] == NOT_COMPARED]
     left = others[["species", "study", "quantity", "objective", "amplitude_convention", "remark"]]
     return [
-        Table("Verdicts", counts.unstack(fill_value=0).rename_axis(columns=None).reset_index()),
+        Table("Verdicts", counts.rename_axis(columns=None).reset_index()),
         Table("Published and ours", _side_by_side(compared)),
         Table("Not compared, and why", left.fillna("").replace("", ABSENT)),
     ]

@@ -420,6 +420,19 @@ class TestFiles:
         assert compared[compared["has_v"]]["saving_total_low"].notna().all()
         assert "[" in (results / "tables" / "comparison.md").read_text()
 
+    def test_verdicts_are_counted_and_the_papers_own_numbers_are_no_observations(self, results):
+        text = (results / "tables" / "observations.md").read_text()
+        counts = [line.strip("| ").split(" | ") for line in text.partition("\n\n**")[0].splitlines()[2:]]
+        header, measured, own = counts[0], [], []
+        for row in counts[2:]:
+            (measured if row[0] == "measured" else own if "paper" in row[0] else []).append(row)
+        assert header[3:] == [AGREES, NEAR, ABOVE, BELOW]
+        observed = pd.read_parquet(results / "tables" / "observations.parquet")
+        compared = observed[observed["verdict"] != NOT_COMPARED]
+        is_own = compared["study"].str.startswith("Pomerenk")
+        for rows, theirs in ((measured, compared["basis"] == "measured"), (own, is_own)):
+            assert sum(int(count) for row in rows for count in row[3:]) == theirs.sum() > 0
+
     def test_damage_beside_is_said_and_does_not_stop_the_gathering(self, results):
         (results.parent / "uncertainty" / "solutions.parquet").write_bytes(b"PAR1 not really")
         said = upwash("aggregate", str(results)).stderr
