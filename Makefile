@@ -23,8 +23,9 @@ test: $(VENV)/installed-dev  ## run all tests
 reproduce: $(VENV)/installed  ## redo the paper: solve, check, and print its table beside ours
 	$(BIN)/upwash reproduce
 
-reference: $(VENV)/installed  ## renew results/reference/ and the README's table, when results are meant to change
+reference: $(VENV)/installed  ## renew results/reference/ and what shows it in README and docs, when results are meant to change
 	$(BIN)/python tests/renew_reference.py
+	$(BIN)/python tests/renew_claims.py
 
 check: $(VENV)/installed-dev  ## lint and type-check
 	$(BIN)/ruff check .
