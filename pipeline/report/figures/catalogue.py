@@ -8,6 +8,7 @@ words.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -35,7 +36,7 @@ from pipeline.report.figures import (
     species_stroke,
 )
 from pipeline.report.figures.drawing import METADATA, save
-from pipeline.report.figures.sources import Sources, read_study, sort_studies
+from pipeline.report.sources import Sources, read_study, sort_studies
 
 FIGURES: dict[str, ModuleType] = {
     module.NAME: module
@@ -131,8 +132,11 @@ def draw_all(results: str | os.PathLike[str], *more: str | os.PathLike[str]) -> 
     UpwashError
         If a folder is no gathered results folder, or the figures cannot be written.
     """
-    sources = read_sources(results, *more)
-    folder = Path(results) / FOLDER
+    return draw_figures(read_sources(results, *more), Path(results) / FOLDER)
+
+
+def draw_figures(sources: Sources, folder: Path) -> list[Path]:
+    """Write every figure that some frames allow into a folder, and return the files."""
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
@@ -145,9 +149,9 @@ def draw_all(results: str | os.PathLike[str], *more: str | os.PathLike[str]) -> 
     return written
 
 
-def save_all(drawn: Figure, stem: Path) -> list[Path]:
-    """Write one figure in all formats, each whole or not at all."""
-    paths = [stem.with_suffix(ending) for ending in METADATA]
+def save_all(drawn: Figure, stem: Path, endings: Iterable[str] = METADATA) -> list[Path]:
+    """Write one figure in all formats, or those whose endings are given, each file whole or not at all."""
+    paths = [stem.with_name(f"{stem.name}{ending}") for ending in endings]
     for path in paths:
         with replacing(path) as unfinished:
             save(drawn, unfinished, path.suffix)

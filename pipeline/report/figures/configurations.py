@@ -21,7 +21,7 @@ from pipeline.report.figures.drawing import (
     styled,
 )
 from pipeline.report.figures.perspective import View, draw_directions
-from pipeline.report.figures.sources import best, bird_of, objectives_of
+from pipeline.report.sources import best, bird_of, objectives_of
 
 NAME = "configurations"
 TITLE = "The four pairs of stroke states"

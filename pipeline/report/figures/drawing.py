@@ -53,7 +53,9 @@ METADATA: dict[str, dict[str, None]] = {
 def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
     """Let a function draw in the style of all figures, whatever the caller's own settings.
 
-    Its panels are laid out once, here: saving would do it again for every format.
+    Its panels are laid out once, here: saving would do it again for every format. How many ticks an axis
+    has room for depends on the size of their labels, which is looked up when a figure is saved: it is fixed
+    here too, so that a figure stays as it is drawn whoever saves it.
     """
 
     @functools.wraps(draw)
@@ -62,6 +64,9 @@ def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
             matplotlib.rcdefaults()
             style.use(STYLE)
             figure = draw(*args, **kwargs)
+            for axes in figure.axes:
+                axes.tick_params("x", labelsize=matplotlib.rcParams["xtick.labelsize"])
+                axes.tick_params("y", labelsize=matplotlib.rcParams["ytick.labelsize"])
             figure.draw_without_rendering()
             figure.set_layout_engine(None)
             return figure

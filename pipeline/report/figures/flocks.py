@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from pipeline.report.figures.drawing import OBJECTIVE_LABELS, OBJECTIVES
-from pipeline.report.figures.sources import objectives_of
+from pipeline.report.sources import objectives_of
 from pipeline.species.library import REFERENCE
 
 PAPERS_BIRDS = 6

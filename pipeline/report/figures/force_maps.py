@@ -9,10 +9,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from pipeline.aero.field_map import PLANES, ForceMap, force_map
-from pipeline.optimum.problem import STREAMWISE_REACH
+from pipeline.aero.field_map import PLANES, ForceMap
+from pipeline.report.field import plane_through, ratios
 from pipeline.report.figures.drawing import OBJECTIVE_LABELS, PAGE_WIDTH_IN, letter, mark, styled
-from pipeline.report.figures.sources import best, bird_of, objectives_of
+from pipeline.report.sources import best, objectives_of
 
 NAME = "force-maps"
 TITLE = "The force on a follower, place by place"
@@ -25,50 +25,11 @@ CAPTION = (
     "down. The leader (black diamond) is at the origin; in the last row it has phase 0. Colours end at the "
     "limits of the bar; beyond them, near the vortex cores, they stay the same."
 )
-SPANWISE = 3.0
-"""Reach of the map to the side, in semispans."""
-
 QUANTITIES = {"lift": "$F_z/W$, vertical force over weight", "thrust": "$−F_x/D$, thrust over drag"}
 SECOND_LABELS = {"xy": "y/b, to the right", "xz": "z/$h_L$, up", "xk": "κ, phase"}
 
 # Share of the map's points that may lie beyond either end of the colours.
 CLIPPED = 0.005
-
-
-def plane_through(row: pd.Series, plane: str, size: int) -> ForceMap:
-    """Return the force map in a plane through a stored optimum, over the whole of the searched range.
-
-    Parameters
-    ----------
-    row : Series
-        The optimum.
-    plane : str
-        ``xy``, ``xz`` or ``xk``.
-    size : int
-        Points along each side.
-    """
-    bird = bird_of(row)
-    reach = {
-        "xy": (0.0, SPANWISE * bird.semispan_m),
-        "xz": (-bird.amplitude_m, bird.amplitude_m),
-        "xk": (0.0, 1.0),
-    }
-    return force_map(
-        bird,
-        bird.amplitude_m,
-        bird.upstroke_span_ratio,
-        (row["x_m"], row["y_m"], row["z_m"], row["phase"]),
-        row["amplitude_m"],
-        row["upstroke_span_ratio"],
-        plane,
-        np.linspace(0.0, STREAMWISE_REACH * bird.wavelength_m, size),
-        np.linspace(*reach[plane], size),
-    )
-
-
-def ratios(found: ForceMap, row: pd.Series) -> dict[str, np.ndarray]:
-    """Return vertical force over weight and thrust over drag of a map."""
-    return {"lift": found.lift_n / row["weight_n"], "thrust": found.thrust_n / row["drag_n"]}
 
 
 def describe(pair: pd.DataFrame) -> str:
@@ -159,6 +120,6 @@ def _draw_map(axes: Axes, row: pd.Series, found: ForceMap, values: np.ndarray, n
     axes.plot(
         0.0, 0.0, "D", color="black", markeredgecolor="white", markersize=5, clip_on=False, label="leader"
     )
-    look = mark(row["objective"], color="#E69F00", markeredgecolor="black", markersize=6, clip_on=False)
+    look = mark(row["objective"], color="#E69F00", markeredgecolor="black", markersize=5, clip_on=False)
     look["label"] = f"follower, {OBJECTIVE_LABELS[row['objective']]}"
     axes.plot(row["x_m"] / (row["speed_m_s"] * row["period_s"]), place, gid=f"optimum {found.plane}", **look)

@@ -22,7 +22,7 @@ from pipeline.report.figures.drawing import (
     tip_height,
 )
 from pipeline.report.figures.perspective import View, draw_directions
-from pipeline.report.figures.sources import bird_of, common_name
+from pipeline.report.sources import bird_of, common_name
 
 NAME = "lone-wake"
 TITLE = "The wake of a lone bird"

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.optimum.problem import ASTERN, LEVEL, OUTBOARD
 from pipeline.report.figures.drawing import FAINT, LEADER, OBJECTIVE_LABELS, PAGE_WIDTH_IN, letter, styled
-from pipeline.report.figures.sources import common_name, objectives_of
+from pipeline.report.sources import common_name, objectives_of
 
 NAME = "optima-map"
 TITLE = "All the optima, and what each costs"

@@ -24,7 +24,7 @@ from pipeline.report.figures.drawing import (
     styled,
     tip_height,
 )
-from pipeline.report.figures.sources import best, bird_of, common_name, objectives_of
+from pipeline.report.sources import best, bird_of, common_name, objectives_of
 
 NAME = "optimal-position"
 TITLE = "Where the follower should fly"

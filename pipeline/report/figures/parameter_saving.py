@@ -17,7 +17,7 @@ from pipeline.report.figures.drawing import (
     letter,
     styled,
 )
-from pipeline.report.figures.sources import objectives_of, subject, varied_inputs
+from pipeline.report.sources import objectives_of, subject, varied_inputs
 
 NAME = "parameter-saving"
 TITLE = "What the saving depends on"

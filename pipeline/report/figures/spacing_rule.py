@@ -20,7 +20,7 @@ from pipeline.report.figures.drawing import (
     mark,
     styled,
 )
-from pipeline.report.figures.sources import best, bird_of, objectives_of
+from pipeline.report.sources import best, bird_of, objectives_of
 
 NAME = "spacing-rule"
 TITLE = "How far to the side"

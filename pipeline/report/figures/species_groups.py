@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 
 from pipeline.report.comparison import compare
 from pipeline.report.figures.drawing import FAINT, PAGE_WIDTH_IN, in_percent, letter, styled
-from pipeline.report.figures.sources import common_name, objectives_of
 from pipeline.report.figures.species_rows import order_of
+from pipeline.report.sources import common_name, objectives_of
 
 NAME = "species-groups"
 TITLE = "Species: one chart for all"

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipeline.report.figures.drawing import FAINT, OBJECTIVES, OBSERVED, PAGE_WIDTH_IN, letter, styled
-from pipeline.report.figures.sources import common_name
 from pipeline.report.figures.species_rows import CONVENTIONS, ROW_IN, add_legend
 from pipeline.report.observations import NOT_COMPARED, compare_with_observations
+from pipeline.report.sources import common_name
 
 NAME = "species-observed"
 TITLE = "Species: beside what was observed"

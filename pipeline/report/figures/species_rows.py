@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipeline.report.figures.drawing import FAINT, OBJECTIVE_LABELS, OBJECTIVES
-from pipeline.report.figures.sources import common_name, objectives_of
+from pipeline.report.sources import common_name, objectives_of
 
 CONVENTIONS = {"stroke-angle": "own stroke angle", "strouhal": "ibis's Strouhal number"}
 """Amplitude conventions in words; the first is drawn filled, any other hollow."""

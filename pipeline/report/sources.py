@@ -10,11 +10,11 @@ from pathlib import Path
 import pandas as pd
 
 from pipeline.aero.bird import Bird
+from pipeline.aero.power import COST_FUNCTIONS
 from pipeline.batch import columns as of
 from pipeline.batch.folder import ResultsFolder
-from pipeline.batch.store import GATHERED, ROWS, metadata_of, read_table
+from pipeline.batch.store import GATHERED, ROWS, Damaged, metadata_of, read_table
 from pipeline.errors import UpwashError
-from pipeline.report.figures.drawing import OBJECTIVES
 from pipeline.report.intervals import KEYS
 from pipeline.report.observations import read_observations
 from pipeline.report.studies import samples_beside
@@ -85,7 +85,12 @@ def read_study(path: Path) -> Study:
         ResultsFolder(path).require()
         expected = " or ".join(GATHERED.values())
         raise UpwashError(f"{path}: expected {expected}, found neither; gather it: upwash aggregate {path}")
-    table = read_table(path / GATHERED[kind], ROWS[kind])
+    try:
+        table = read_table(path / GATHERED[kind], ROWS[kind])
+    except Damaged as error:
+        raise UpwashError(
+            f"{error}; 'upwash check {path}' says more, running the sweep again mends it"
+        ) from error
     return Study(path, kind, table.to_pandas(), metadata_of(table.schema))
 
 
@@ -185,7 +190,7 @@ def bird_of(row: pd.Series) -> Bird:
 
 def objectives_of(rows: pd.DataFrame) -> list[str]:
     """Return the objectives that rows were solved for, in the order in which figures show them."""
-    return [name for name in OBJECTIVES if (rows["objective"] == name).any()]
+    return [name for name in COST_FUNCTIONS if (rows["objective"] == name).any()]
 
 
 def best(rows: pd.DataFrame, objective: str) -> pd.Series:

@@ -1,0 +1,223 @@
+"""Studies as the batch layer leaves them, for figures and pages: an ibis, its flock, other birds, inputs varied.
+
+No search is run. The optima are those of the paper's ibis to a few digits; what follows from them is computed by
+the plain statement of the physics. Other birds are the ibis with lengths stretched and the same shares saved.
+"""
+
+from hashlib import sha256
+
+import pandas as pd
+import pyarrow as pa
+
+from pipeline.aero.bird import Bird
+from pipeline.aero.interaction import wake_force
+from pipeline.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+from pipeline.batch import columns as of
+from pipeline.batch.folder import Plan, ResultsFolder
+from pipeline.batch.store import GATHERED, ROWS, SUMMARIES, TableWriter, provenance, table_of
+from pipeline.batch.summary import summary_of
+
+IBIS = {
+    "mass_kg": 1.3,
+    "semispan_m": 0.6,
+    "speed_m_s": 15.0,
+    "period_s": 0.25,
+    "density_kg_m3": 1.29,
+    "gravity_m_s2": 9.8,
+    "leader_amplitude_m": 1.0392304845413263,
+    "leader_upstroke_span_ratio": 0.4,
+    "circulation_ratio": 1.0,
+    "amplitude_convention": "stroke-angle",
+    "core_radius_ratio": 0.171,
+    "stroke_states": 2,
+    "span_nodes": 2,
+    "seed": 0,
+    "tolerance": 1e-4,
+    "solver": "upwash",
+}
+
+# x, y, z in m, amplitude in m, upstroke span ratio, phase; the V optimum is the second of each.
+OPTIMA = {
+    "force": [
+        (1.816666, 0.319567, -0.052438, 0.765548, 0.344774, 0.5),
+        (1.817833, 0.879798, -0.061520, 0.745795, 0.349295, 0.5),
+        (1.931801, 0.879596, 0.816972, 0.765598, 0.348535, 0.0),
+        (0.0, 0.496267, 0.040658, 0.915346, 0.344791, 0.0),
+    ],
+    "power": [
+        (2.212556, 0.026169, 0.029339, 0.720891, 0.419788, 0.5),
+        (1.776509, 0.888574, -0.145865, 0.690013, 0.368373, 0.5),
+        (1.973497, 0.888570, 0.843600, 0.705420, 0.368021, 0.0),
+    ],
+}
+OTHERS = {"mute-swan": 1.9, "dunlin": 0.3}
+"""Other species: their lengths over the ibis's."""
+
+
+def bird_of(inputs):
+    """Return the bird of a row's inputs."""
+    names = ("mass_kg", "semispan_m", "speed_m_s", "period_s", "density_kg_m3", "gravity_m_s2")
+    stroke = inputs["leader_amplitude_m"], inputs["leader_upstroke_span_ratio"]
+    return Bird(*(inputs[name] for name in names), *stroke, inputs["circulation_ratio"])
+
+
+def row_of(species, objective, inputs, place, rank, kind="pair", bird=None):
+    """Return one row of results; `bird` sets weight and drag, the row's own if not given."""
+    x, y, z, amplitude, ratio, phase = place
+    bird = bird or bird_of(inputs)
+    lift, thrust = bird.lift_n(ratio), bird.thrust_n(amplitude, ratio)
+    ahead = inputs["leader_amplitude_m"], inputs["leader_upstroke_span_ratio"]
+    wake = wake_force(bird, *ahead, (x, y, z), amplitude, ratio, phase)
+    powers = induced_power_w(bird, lift), profile_power_w(bird, thrust), parasite_power_w(bird)
+    alone = induced_power_w(bird, bird.weight_n), profile_power_w(bird, bird.drag_n), powers[2]
+    cost = COST_FUNCTIONS[objective]
+    labels = (
+        f"{species} {objective} {inputs['amplitude_convention']} {inputs['speed_m_s']} {inputs['mass_kg']}"
+    )
+    row = {
+        **inputs,
+        "job_id": id_of(labels),
+        "species": species,
+        "objective": objective,
+        "status": of.SOLVED,
+        "kind": kind,
+        **dict(zip(("x_m", "y_m", "z_m", "amplitude_m", "upstroke_span_ratio", "phase"), place, strict=True)),
+        "weight_n": bird.weight_n,
+        "drag_n": bird.drag_n,
+        "lift_self_n": lift,
+        "thrust_self_n": thrust,
+        "lift_wake_n": wake[0],
+        "thrust_wake_n": wake[1],
+        "saving_induced": 1.0 - powers[0] / alone[0],
+        "saving_profile": 1.0 - powers[1] / alone[1],
+        "saving_total": 1.0 - sum(powers) / sum(alone),
+        "cost": cost.value(bird, lift, thrust),
+        "cost_leader": cost.value(bird, bird.weight_n, bird.drag_n),
+        "residual_lift": 0.0,
+        "residual_thrust": 0.0,
+        "rank": rank,
+        "hits": 3,
+        "starts": 180,
+        "placement": "outboard" if abs(y) >= bird.semispan_m else "inboard",
+        "tier": "level" if abs(z) <= bird.amplitude_m / 2 else "stacked",
+        "station": "astern" if x >= bird.semispan_m else "abreast",
+        "is_v_optimum": rank == 1,
+        "is_global_optimum": rank == 0,
+        "active_bounds": "mu_lower",
+        "core_edges": "left wingtip down on right tip",
+        "stationarity": 1e-13,
+        "solve_time_s": 0.5,
+        "v_certified_gap": 1e-4,
+        "global_certified_gap": 1e-4,
+        "v_wall": "",
+        "feasible": True,
+        "certificate_boxes": 1000,
+    }
+    for prefix, values in (("", powers), ("leader_", alone)):
+        parts = (*values, sum(values))
+        names = ("induced", "profile", "parasite", "total")
+        row |= {f"{prefix}power_{name}_w": value for name, value in zip(names, parts, strict=True)}
+    return row
+
+
+def id_of(text):
+    """Return a job's id: the same for a text on every run."""
+    return sha256(text.encode()).hexdigest()[:16]
+
+
+def pair_rows(species="northern-bald-ibis", stretch=1.0, **changes):
+    """Return all optima of a bird for both objectives, its lengths stretched and its inputs changed."""
+    inputs = IBIS | {name: IBIS[name] * stretch for name in ("semispan_m", "leader_amplitude_m")}
+    inputs |= {"period_s": IBIS["period_s"] * stretch, **changes}
+    rows = []
+    for objective, places in OPTIMA.items():
+        for rank, (*lengths, ratio, phase) in enumerate(places):
+            rows.append(
+                row_of(species, objective, inputs, (*(one * stretch for one in lengths), ratio, phase), rank)
+            )
+    return rows
+
+
+def species_rows():
+    """Return three species under two conventions; under the second, one of them cannot fly so."""
+    rows = []
+    for convention in ("stroke-angle", "strouhal"):
+        for species, stretch in {"northern-bald-ibis": 1.0, **OTHERS}.items():
+            of_it = pair_rows(species, stretch, mass_kg=1.3 * stretch**2, amplitude_convention=convention)
+            if (species, convention) == ("dunlin", "strouhal"):
+                kept = ("job_id", "species", "objective", "kind", *IBIS)
+                firsts = {row["objective"]: row for row in of_it if row["rank"] == 0}
+                of_it = [{name: row[name] for name in kept} | IMPOSSIBLE for row in firsts.values()]
+            rows += of_it
+    return rows
+
+
+IMPOSSIBLE = {"status": of.INFEASIBLE, "error": "amplitude_m: expected at most twice the semispan"}
+
+
+def varied_rows():
+    """Return the ibis and birds that differ in one input; the lightest has no V optimum."""
+    rows = pair_rows()
+    for name, values in {"mass_kg": (1.1, 1.2, 1.4), "speed_m_s": (14.0, 16.0)}.items():
+        for value in values:
+            rows += pair_rows(**{name: value})
+    return [row | {"is_v_optimum": row["is_v_optimum"] and row["mass_kg"] != 1.1} for row in rows]
+
+
+def flock_rows(birds=6):
+    """Return flocks of both objectives and readings: a chain in which every step is the pair's V optimum."""
+    rows = []
+    for objective, places in OPTIMA.items():
+        x, y, z, amplitude, ratio, phase = places[1]
+        for reading in ("immediate", "lone"):
+            inputs = dict(IBIS)
+            first = bird_of(inputs)
+            flock = {"birds": birds, "shape": "echelon", "wake": "neighbour", "reading": reading}
+            job_id = id_of(objective + reading)
+            for number in range(1, birds + 1):
+                leads = number == 1
+                own = (0.0, 0.0, 0.0, IBIS["leader_amplitude_m"], 0.4, 0.0) if leads else places[1]
+                row = row_of("northern-bald-ibis", objective, inputs, own, 1, "flock", first)
+                step = number - 1
+                rows.append(
+                    row
+                    | flock
+                    | {
+                        "job_id": job_id,
+                        "flock_id": job_id,
+                        "bird": number,
+                        "leader": None if leads else number - 1,
+                    }
+                    | {"x_flock_m": x * step, "y_flock_m": y * step, "z_flock_m": z * step}
+                    | {"phase_flock": phase * step % 1.0}
+                )
+                if number > 1:
+                    inputs |= {"leader_amplitude_m": amplitude, "leader_upstroke_span_ratio": ratio}
+    return rows
+
+
+def frame(rows, kind="pair"):
+    """Return rows as a frame with every column of the results."""
+    return table_of(complete(rows, kind), ROWS[kind]).to_pandas()
+
+
+def complete(rows, kind):
+    """Return rows with the columns of a kind of study alone."""
+    return [{name: row[name] for name in row if name in ROWS[kind].names} for row in rows]
+
+
+def write_folder(path, rows, kind="pair", text='description = "A study"\n'):
+    """Write a gathered results folder as `upwash aggregate` leaves it, and return its path."""
+    order = [("job_id", "ascending"), ("bird" if kind == "flock" else "rank", "ascending")]
+    table = table_of(complete(rows, kind), ROWS[kind]).sort_by(order).combine_chunks()
+    path.mkdir(parents=True)
+    ids = pd.unique(table.column("job_id").to_pandas())
+    ResultsFolder(path).write_plan(Plan(path.name, kind, text, list(ids)))
+    for name, schema, content in (
+        (GATHERED[kind], ROWS[kind], table),
+        ("summary.parquet", SUMMARIES[kind], summary_of(table, kind)),
+    ):
+        writer = TableWriter(path / name, schema)
+        writer.write(pa.table(content))
+        writer.close(provenance(text))
+    return path

@@ -1,0 +1,497 @@
+"""Figures, tested on what they draw: the values in their artists, their words and their bytes, not their pixels."""
+
+import matplotlib
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from pipeline.aero.interaction import net_force, state_forces
+from pipeline.aero.wake import vortex_wake
+from pipeline.errors import UpwashError
+from pipeline.report import figures, sources
+from pipeline.report.comparison import compare
+from pipeline.report.field import plane_through
+from pipeline.report.figures import (
+    configurations,
+    flock_formation,
+    flock_saving,
+    flock_view,
+    force_maps,
+    lone_wake,
+    optima_map,
+    optimal_position,
+    parameter_saving,
+    spacing_rule,
+    species_groups,
+    species_observed,
+    species_position,
+    species_stroke,
+)
+from pipeline.report.figures.catalogue import FIGURES, arguments, save_all
+from pipeline.report.figures.drawing import tip_height
+from pipeline.report.figures.flocks import papers_flocks, series
+from pipeline.report.observations import read_observations
+from report import studies
+
+B, H, WAVELENGTH = 0.6, studies.IBIS["leader_amplitude_m"], 3.75
+BIRD = studies.bird_of(studies.IBIS)
+FORCE, POWER = (
+    dict(zip(("x", "y", "z", "h", "r", "k"), studies.OPTIMA[name][1], strict=True)) for name in studies.OPTIMA
+)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return studies.frame(studies.pair_rows())
+
+
+@pytest.fixture(scope="module")
+def flock():
+    return studies.frame(studies.flock_rows(), "flock")
+
+
+@pytest.fixture(scope="module")
+def species():
+    return studies.frame(studies.species_rows())
+
+
+@pytest.fixture(scope="module")
+def varied():
+    return studies.frame(studies.varied_rows())
+
+
+@pytest.fixture(scope="module")
+def everything(pair, flock, species, varied):
+    """All frames that figures take."""
+    return sources.Sources(pair, flock, species, varied, None, read_observations(), {})
+
+
+def drawn(figure, gid):
+    """Return the artists of a figure that bear a name."""
+    found = figure.findobj(lambda artist: artist.get_gid() == gid)
+    assert found, f"nothing is named {gid}"
+    return found
+
+
+def line(figure, gid):
+    """Return the points of a line."""
+    return drawn(figure, gid)[0].get_xydata()
+
+
+def points(figure, gid):
+    """Return the points of a scatter."""
+    return np.asarray(drawn(figure, gid)[0].get_offsets())
+
+
+@pytest.fixture(scope="module", params=FIGURES)
+def one(request, everything):
+    """Each figure in turn: its module, the frames that it takes, and the figure."""
+    module = FIGURES[request.param]
+    frames = arguments(module, everything)
+    return module, frames, module.draw(**frames)
+
+
+class TestEveryFigure:
+    def test_says_what_it_shows(self, one):
+        module, frames, _ = one
+        words = module.describe(**frames)
+        assert module.TITLE and module.CAPTION.endswith(".") and words.endswith(".")
+        assert any(letter.isdigit() for letter in words) and "nan" not in words
+
+    def test_every_panel_has_a_letter_that_the_caption_explains(self, one):
+        module, _, figure = one
+        letters = {
+            text.get_text()
+            for axes in figure.axes
+            for text in axes.texts
+            if len(text.get_text()) == 1 and text.get_fontweight() == "bold"
+        }
+        assert letters == set("abcdefghij"[: len(letters)])
+        explained = [name for name in letters if f"({name})" in module.CAPTION]
+        assert not explained or set(explained) == letters
+
+    def test_axes_are_named_or_their_ticks_are_words(self, one):
+        _, _, figure = one
+        for axes in figure.axes:
+            spec = axes.get_subplotspec()
+            if not axes.axison or spec is None:
+                continue
+            for label, ticks, is_outer in (
+                (axes.get_xlabel(), axes.get_xticklabels(), spec.is_last_row()),
+                (axes.get_ylabel(), axes.get_yticklabels(), spec.is_first_col()),
+            ):
+                words = [tick.get_text() for tick in ticks if any(map(str.isalpha, tick.get_text()))]
+                assert label or words or not is_outer
+
+    def test_nothing_is_cut_off(self, one):
+        _, _, figure = one
+        box = figure.get_tightbbox(FigureCanvasAgg(figure).get_renderer())
+        width, height = figure.get_size_inches()
+        assert box.x0 > -0.01 and box.y0 > -0.01
+        assert box.x1 < width + 0.01 and box.y1 < height + 0.01
+
+    def test_titles_of_panels_do_not_overlap(self, one):
+        _, _, figure = one
+        renderer = FigureCanvasAgg(figure).get_renderer()
+        titles = [axes.title if axes.title.get_text() else axes._left_title for axes in figure.axes]
+        boxes = [title.get_window_extent(renderer) for title in titles if title.get_text().strip()]
+        for number, box in enumerate(boxes):
+            assert not any(box.overlaps(other) for other in boxes[number + 1 :])
+
+
+class TestBytes:
+    @pytest.fixture
+    def contents(self, everything, tmp_path):
+        """Return a function that draws and writes a figure anew and gives its bytes in each format."""
+
+        def written():
+            drawn_anew = FIGURES["spacing-rule"].draw(**arguments(FIGURES["spacing-rule"], everything))
+            return [path.read_bytes() for path in save_all(drawn_anew, tmp_path / "figure")]
+
+        return written
+
+    def test_are_the_same_on_every_run_whatever_the_callers_style(self, contents):
+        first = contents()
+        with matplotlib.rc_context({"font.size": 30, "svg.hashsalt": "another", "savefig.dpi": 20}):
+            assert contents() == first
+
+    def test_ticks_do_not_depend_on_who_saves_it(self, everything):
+        by_hand = FIGURES["force-maps"].draw(**arguments(FIGURES["force-maps"], everything))
+        found = []
+        for size in (3, 30):
+            with matplotlib.rc_context({"xtick.labelsize": size, "ytick.labelsize": size}):
+                found.append([list(axes.get_xticks()) + list(axes.get_yticks()) for axes in by_hand.axes])
+        assert found[0] == found[1]
+
+    def test_hold_no_date_and_no_name_of_the_writer(self, contents):
+        for content in contents():
+            assert not any(word in content for word in (b"Date", b"Producer", b"Creator", b"Software"))
+
+
+class TestLoneWake:
+    def test_areas_are_those_of_the_papers_impulse(self, pair):
+        figure = lone_wake.draw(pair)
+        rectangle, ellipse = drawn(figure, "up area")[0], drawn(figure, "down area")[0]
+        per_area = BIRD.density_kg_m3 * BIRD.circulation_m2_s
+        up = rectangle.get_width() * rectangle.get_height() * per_area
+        down = np.pi / 4.0 * ellipse.width * ellipse.height * per_area
+        assert (up + down) / BIRD.period_s == pytest.approx(BIRD.weight_n)
+
+    def test_impulses_add_up_to_weight_and_drag(self):
+        found = np.array(list(lone_wake.impulses(BIRD).values())).sum(axis=0) / BIRD.period_s
+        assert found == pytest.approx([BIRD.drag_n, BIRD.weight_n])
+
+    def test_rings_are_tilted_by_the_amplitude(self, pair):
+        figure = lone_wake.draw(pair)
+        assert np.ptp(line(figure, "down ring")[:, 1]) == pytest.approx(H)
+        assert line(figure, "up ring")[0] == pytest.approx([0.0, H / 2])
+
+
+class TestConfigurations:
+    def test_draws_each_filament_of_each_state(self, pair):
+        figure = configurations.draw(pair)
+        wake = vortex_wake(H, 0.4, B, WAVELENGTH, BIRD.circulation_m2_s)
+        for state, panels in ((0, figure.axes[:2]), (1, figure.axes[2:4])):
+            expected = [
+                configurations.VIEW.flat([corners[k], corners[(k + 1) % 4]])
+                for corners in wake.corners()[wake.state == state]
+                for k in range(4)
+            ]
+            for axes in panels:
+                filaments = [
+                    one.get_xydata() for one in axes.lines if (one.get_gid() or "").startswith("filament")
+                ]
+                assert np.array(filaments) == pytest.approx(np.array(expected))
+
+    def test_filaments_carry_as_many_pluses_as_minuses(self, pair):
+        for axes in configurations.draw(pair).axes:
+            signs = [text.get_text() for text in axes.texts]
+            assert signs.count("+Γ") == signs.count("−Γ") == 4
+
+    def test_the_follower_is_raised_and_narrow_or_lowered_and_wide(self, pair):
+        ends = [one.get_xydata() for one in drawn(configurations.draw(pair), "follower")]
+        for k, (height, reach) in enumerate(((FORCE["h"] / 2, B * FORCE["r"]), (-FORCE["h"] / 2, B))):
+            tips = [(FORCE["x"], FORCE["y"] + side * reach, FORCE["z"] + height) for side in (-1, 1)]
+            assert ends[k] == pytest.approx(configurations.VIEW.flat(tips))
+
+    def test_an_arrow_is_drawn_where_the_force_is_large(self, pair):
+        figure = configurations.draw(pair)
+        forces = np.linalg.norm(
+            state_forces(BIRD, H, 0.4, (FORCE["x"], FORCE["y"], FORCE["z"]), FORCE["h"], FORCE["r"]), axis=-1
+        )
+        shown = [
+            f"{value:+.3f}"
+            for value in state_forces(BIRD, H, 0.4, tuple(FORCE.values())[:3], FORCE["h"], FORCE["r"])[0, 1]
+        ]
+        words = figure.axes[1].texts[-1].get_text() + "".join(
+            text.get_text() for text in figure.axes[1].texts
+        )
+        assert all(number in words for number in shown)
+        assert forces.argmax() == 1
+
+
+@pytest.fixture(scope="module")
+def figure(pair):
+    """The figure of the optimal position."""
+    return optimal_position.draw(pair, read_observations())
+
+
+class TestOptimalPosition:
+    @pytest.mark.parametrize(("name", "place"), [("force", FORCE), ("power", POWER)])
+    def test_marks_the_optimum_in_both_planes(self, figure, name, place):
+        above, side = drawn(figure, f"optimum {name}")
+        assert above.get_xydata()[0] == pytest.approx([place["x"] / WAVELENGTH, place["y"] / B])
+        assert side.get_xydata()[0] == pytest.approx([place["x"] / WAVELENGTH, place["z"] / H])
+
+    def test_marks_what_was_observed_of_ibises(self, figure):
+        seen = np.array([one.get_xydata()[0] for one in drawn(figure, "observed")]) * (WAVELENGTH, B)
+        assert [1.2, 0.904] in np.round(seen, 6).tolist()
+
+    def test_draws_the_spacing_rule(self, figure):
+        level = drawn(figure, "rule force")[0].get_ydata()[0]
+        assert level == pytest.approx(np.pi / 4 + (1 + FORCE["r"]) / 2)
+
+    def test_the_followers_lowered_wingtip_meets_the_leaders_path(self, figure):
+        path, leader = line(figure, "path force"), line(figure, "path leader")
+        start = path[0]
+        assert start == pytest.approx([FORCE["x"] / WAVELENGTH, (FORCE["z"] - FORCE["h"] / 2) / H])
+        assert np.interp(start[0], *leader.T) == pytest.approx(start[1], abs=0.1)
+
+    def test_forces_are_those_of_the_states_over_weight_and_drag(self, figure):
+        found = state_forces(BIRD, H, 0.4, (POWER["x"], POWER["y"], POWER["z"]), POWER["h"], POWER["r"])
+        expected = found[0, 1, ::-1] / (BIRD.drag_n, BIRD.weight_n)
+        assert line(figure, "force power ud")[0] == pytest.approx(expected)
+        mean = (found[0, 1] + found[1, 0])[::-1] / 2 / (BIRD.drag_n, BIRD.weight_n)
+        assert line(figure, "force power m")[0] == pytest.approx(mean)
+
+
+class TestForceMaps:
+    def test_hold_the_net_force_over_weight_and_drag(self, pair):
+        figure = force_maps.draw(pair, size=31)
+        images = [axes.images[0] for axes in figure.axes if axes.images]
+        assert len(images) == 6
+        x, y = np.linspace(0, 1.5 * WAVELENGTH, 31)[20], np.linspace(0, 3 * B, 31)[12]
+        lift, thrust = net_force(BIRD, H, 0.4, (x, y, FORCE["z"]), FORCE["h"], FORCE["r"], FORCE["k"])
+        assert images[0].get_array()[12, 20] == pytest.approx(lift / BIRD.weight_n)
+        assert images[1].get_array()[12, 20] == pytest.approx(thrust / BIRD.drag_n)
+        phase = np.linspace(0, 1, 31)[7]
+        lift, thrust = net_force(BIRD, H, 0.4, (x, FORCE["y"], FORCE["z"]), FORCE["h"], FORCE["r"], phase)
+        assert images[5].get_array()[7, 20] == pytest.approx(thrust / BIRD.drag_n)
+
+    def test_extents_are_wavelengths_semispans_amplitudes_and_phase(self, pair):
+        figure = force_maps.draw(pair, size=11)
+        extents = [axes.images[0].get_extent() for axes in figure.axes if axes.images][::2]
+        assert np.array(extents) == pytest.approx(np.array([(0, 1.5, 0, 3), (0, 1.5, -1, 1), (0, 1.5, 0, 1)]))
+
+    def test_a_single_plane_has_two_panels(self, pair):
+        row = sources.best(pair, "power")
+        figure = force_maps.draw_plane(plane_through(row, "xz", 21), row)
+        assert sum(bool(axes.images) for axes in figure.axes) == 2
+        assert line(figure, "optimum xz")[0] == pytest.approx([POWER["x"] / WAVELENGTH, POWER["z"] / H])
+
+
+class TestSpacingRule:
+    def test_the_inner_tip_would_meet_the_vortex_on_the_dotted_lines(self, pair):
+        figure = spacing_rule.draw(pair)
+        levels = [one.get_ydata()[0] for one in drawn(figure, "meeting")]
+        assert levels == pytest.approx([np.pi / 4 + FORCE["r"], np.pi / 4 + 1])
+
+    def test_found_beside_rule(self, pair):
+        figure = spacing_rule.draw(pair)
+        assert drawn(figure, "found power")[0].get_ydata()[0] == pytest.approx(POWER["y"] / B)
+        rule = drawn(figure, "rule power")[0].get_ydata()[0]
+        assert rule == pytest.approx(np.pi / 4 + (1 + POWER["r"]) / 2)
+
+
+class TestOptimaMap:
+    def test_shows_every_optimum_once(self, pair):
+        figure = optima_map.draw(pair)
+        panel = figure.axes[0]
+        shown = sum(
+            len(one.get_offsets())
+            for one in panel.collections
+            if (one.get_gid() or "").startswith("y_m ") and one.get_array() is not None
+        )
+        assert shown == len(studies.OPTIMA["force"])
+
+    def test_rings_the_v_optimum_and_crosses_the_best(self, pair):
+        figure = optima_map.draw(pair)
+        assert points(figure, "y_m V optimum")[0] == pytest.approx([FORCE["x"] / WAVELENGTH, FORCE["y"] / B])
+        best = studies.OPTIMA["force"][0]
+        assert points(figure, "z_m best")[0] == pytest.approx([best[0] / WAVELENGTH, best[2] / H])
+
+    def test_colours_by_cost_over_the_leaders(self, pair):
+        figure = optima_map.draw(pair)
+        rows = pair[(pair["objective"] == "force") & (pair["phase"] == 0.5)].sort_values(
+            "cost", ascending=False
+        )
+        found = drawn(figure, "y_m o")[0].get_array()
+        assert np.asarray(found) == pytest.approx((rows["cost"] / rows["cost_leader"]).to_numpy())
+
+
+class TestFlock:
+    def test_six_panels_hold_positions_stroke_and_power(self, flock):
+        figure = flock_formation.draw(flock)
+        steps = np.arange(6)
+        assert line(figure, "y_flock_m force immediate") == pytest.approx(
+            np.stack([FORCE["x"] * steps, FORCE["y"] * steps], axis=-1)
+        )
+        assert line(figure, "amplitude_ratio power lone")[:, 1] == pytest.approx([1.0] + [POWER["h"] / H] * 5)
+        assert line(figure, "span_ratio_ratio force lone")[:, 1] == pytest.approx(
+            [1.0] + [FORCE["r"] / 0.4] * 5
+        )
+        profile = BIRD.thrust_n(FORCE["h"], FORCE["r"]) / BIRD.drag_n
+        assert line(figure, "profile_ratio force immediate")[:, 1] == pytest.approx([1.0] + [profile] * 5)
+
+    def test_turns_at_the_front_spread_the_saving(self, flock):
+        _, _, birds = next(series(papers_flocks(flock)))
+        found = flock_saving.means(birds)
+        saving = birds["saving_total"].iloc[1]
+        assert found["saving"].to_numpy() == pytest.approx([saving * n / (n + 1) for n in range(1, 6)])
+        assert found["range_gain"].iloc[0] == pytest.approx(1 / (1 - saving / 2) - 1)
+        assert line(flock_saving.draw(flock), "mean force immediate")[:, 1] == pytest.approx(
+            found["saving"].to_numpy()
+        )
+
+    def test_the_flock_most_like_the_papers_is_chosen(self, flock):
+        longer = studies.frame(studies.flock_rows(birds=9), "flock").assign(flock_id="another")
+        veed = flock.assign(shape="vee", flock_id="a third")
+        chosen = papers_flocks(pd.concat([longer, veed, flock]))
+        assert set(chosen["birds"]) == {6} and set(chosen["shape"]) == {"echelon"}
+        assert set(papers_flocks(longer)["birds"]) == {9}
+
+    def test_each_birds_wings_and_rings_have_its_own_phase(self, flock):
+        figure = flock_view.draw(flock)
+        spans = [np.ptp(drawn(figure, f"bird {n}")[0].get_xy()[:, 1]) for n in (1, 2)]
+        assert spans == pytest.approx([2 * B * 0.4, 2 * B])
+        assert flock_view.ring_stations(0.0) == [(0.0, 0.5, True), (0.5, 1.0, False)]
+        assert flock_view.ring_stations(0.5) == [(0.0, 0.5, False), (0.5, 1.0, True)]
+
+    def test_a_path_starts_at_the_wingtip(self, flock):
+        figure = flock_view.draw(flock)
+        assert line(figure, "path 1")[0] == pytest.approx([0.0, H / 2])
+        assert line(figure, "path 2")[0] == pytest.approx([FORCE["x"], FORCE["z"] - FORCE["h"] / 2])
+
+    def test_the_tip_is_highest_at_the_end_of_the_upstroke(self):
+        assert tip_height(np.array([0.0, 0.25, 0.5, 1.0, -0.5])) == pytest.approx([0.5, 0.0, -0.5, 0.5, -0.5])
+
+
+class TestSpecies:
+    def test_lines_go_from_the_lightest_up(self, species):
+        figure = species_position.draw(species)
+        names = [label.get_text() for label in figure.axes[0].get_yticklabels()]
+        assert names == ["Dunlin", "Northern bald ibis", "Mute swan"]
+
+    def test_marks_are_the_values_compared(self, species):
+        figure, found = species_position.draw(species), compare(species)
+        rows = found[(found["objective"] == "power") & (found["amplitude_convention"] == "stroke-angle")]
+        shown = line(figure, "y_semispans power stroke-angle")
+        assert sorted(shown[:, 0]) == pytest.approx(sorted(rows["y_semispans"]))
+        assert np.round(shown[np.argsort(shown[:, 1])][:, 1]).tolist() == [0, 1, 2]
+
+    def test_what_cannot_fly_has_no_mark(self, species):
+        shown = line(species_position.draw(species), "x_wavelengths force strouhal")
+        assert np.isnan(shown[:, 0]).sum() == 1
+
+    def test_intervals_are_drawn_from_samples(self, species):
+        samples = pd.concat([species.assign(job_id=species["job_id"] + str(n)) for n in range(9)])
+        figure = species_position.draw(species, samples)
+        assert sum(len(one.get_segments()) for one in figure.axes[0].collections) >= 3
+
+    def test_changes_of_the_stroke_are_set_against_each_other(self, species):
+        found = line(species_stroke.draw(species), "both force stroke-angle")
+        assert found[:, 1] == pytest.approx([1 - FORCE["h"] / H] * 3)
+        assert found[:, 0] == pytest.approx([1 - FORCE["r"] / 0.4] * 3)
+
+    def test_the_chart_is_of_the_groups(self, species):
+        figure = species_groups.draw(species)
+        place = points(figure, "weight_number stroke-angle")
+        ibis = [WAVELENGTH / B, BIRD.weight_n / (1.29 * B**2 * 15**2)]
+        assert any(one == pytest.approx(ibis) for one in place)
+
+    def test_a_gap_between_wingtips_is_drawn_as_a_distance_in_semispans(self, species):
+        found = species_observed.compared(species, read_observations())
+        ibis = found[
+            (found["species"] == "northern-bald-ibis") & (found["quantity"] == "wingtip_spacing")
+        ].iloc[0]
+        assert ibis["observed"] == pytest.approx(2.0 - 0.115 / B)
+        assert ibis["ours"] == pytest.approx(FORCE["y"] / B)
+        figure = species_observed.draw(species, read_observations())
+        assert any(
+            one.get_xdata()[0] == pytest.approx(2.0 - 0.115 / B)
+            for one in drawn(figure, "published northern-bald-ibis wingtip_spacing")
+        )
+
+    def test_the_papers_own_numbers_are_no_observations(self, species):
+        found = species_observed.compared(species, read_observations())
+        assert not found["study"].str.contains("Pomerenk").any()
+
+
+class TestParameters:
+    def test_only_inputs_varied_alone_are_drawn(self, varied):
+        base = sources.subject(varied)
+        assert base["mass_kg"].iloc[0] == 1.3 and base["speed_m_s"].iloc[0] == 15.0
+        assert sorted(sources.varied_inputs(varied, base)) == ["mass_kg", "speed_m_s"]
+
+    def test_a_line_breaks_where_there_is_no_v_optimum(self, varied):
+        found = line(parameter_saving.draw(varied), "mass_kg force")
+        assert found[:, 0] == pytest.approx([1.1, 1.2, 1.3, 1.4])
+        assert np.isnan(found[0, 1]) and not np.isnan(found[1:, 1]).any()
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """A results folder of each kind of study."""
+    root = tmp_path_factory.mktemp("studies")
+    return {
+        "pair": studies.write_folder(root / "pair", studies.pair_rows()),
+        "flock": studies.write_folder(root / "flock", studies.flock_rows(), "flock"),
+        "species": studies.write_folder(root / "species", studies.species_rows()),
+        "varied": studies.write_folder(root / "varied", studies.varied_rows()),
+    }
+
+
+class TestSources:
+    def test_a_study_is_known_by_what_it_varies(self, folders):
+        for name, path in folders.items():
+            found = sources.sort_studies([sources.read_study(path)])
+            assert name in found.folders
+            assert {"species", "varied", "flock"} & set(found.folders) == {name} - {"pair"}
+
+    def test_the_first_folder_that_has_a_frame_gives_it(self, folders):
+        studied = [sources.read_study(folders[name]) for name in ("varied", "pair", "flock")]
+        found = sources.sort_studies(studied)
+        assert found.folders == {
+            "pair": folders["varied"],
+            "varied": folders["varied"],
+            "flock": folders["flock"],
+        }
+
+    def test_inputs_sampled_at_once_single_out_no_bird(self):
+        rows = [
+            row for value in (1.1, 1.2, 1.3) for row in studies.pair_rows(mass_kg=value, speed_m_s=10 * value)
+        ]
+        study = sources.Study("", "pair", studies.frame(rows), {})
+        assert sources.sort_studies([study]).pair is None
+
+    def test_a_figure_without_its_study_says_what_it_needs(self, folders):
+        with pytest.raises(
+            UpwashError, match=r"flock-view: expected a study to draw it from \(flock\), found none in"
+        ):
+            figures.draw("flock-view", folders["pair"])
+        with pytest.raises(UpwashError, match="figure: expected one of lone-wake"):
+            figures.draw("no-such", folders["pair"])
+
+    def test_a_folder_that_is_not_gathered_says_how_to_gather_it(self, tmp_path):
+        with pytest.raises(UpwashError, match="expected a results folder"):
+            figures.draw("lone-wake", tmp_path)
+        (tmp_path / "plan.json").write_text("{}")
+        with pytest.raises(UpwashError, match="upwash aggregate"):
+            figures.draw("lone-wake", tmp_path)
+
+    def test_a_damaged_file_is_one_line(self, folders, tmp_path):
+        path = tmp_path / "solutions.parquet"
+        path.write_bytes((folders["pair"] / "solutions.parquet").read_bytes()[:-100])
+        with pytest.raises(UpwashError, match="upwash check"):
+            figures.draw("lone-wake", tmp_path)
