@@ -24,6 +24,8 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "species": ("species", "List, show, check or start species files."),
         "optimum": ("solve", "Find the best positions of one bird behind another."),
         "flock": ("solve", "Chain pairs into a flock."),
+        "field": ("pictures", "Map the force on a follower over a plane."),
+        "animate": ("pictures", "Animate a flock flapping in its wakes."),
     },
     "Sweeps over many": {
         "run": ("runs", "Solve every job of a sweep; finished jobs are kept."),
@@ -33,9 +35,11 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "show": ("runs", "Show one job: inputs, optima, residuals."),
         "rerun": ("runs", "Solve chosen jobs again."),
         "diff": ("runs", "Compare two results folders, job by job."),
+        "page": ("pictures", "Draw a sweep's figures and write the page that tells its story."),
     },
     "The paper": {
         "reproduce": ("reproduce", "Redo the paper, and print its table beside ours."),
+        "claims": ("claims", "Judge each claim of the paper by our numbers."),
     },
 }
 

@@ -1,0 +1,295 @@
+"""The page in a real browser: it loads, sorts, asks nobody, and reads well by eye, keyboard and voice."""
+
+import os
+import re
+
+import pytest
+
+from pipeline.errors import UpwashError
+from pipeline.report import figures
+from pipeline.report.page import sort_key, subscripts, table_context, write_page
+from pipeline.report.story import CHAPTERS
+from pipeline.report.table import Table
+from report import studies
+from report.browser import Browser, find_browser
+
+SWEEP = """# A pair & its <flock>.
+description = "The ibis's pair, & more"
+species = "northern-bald-ibis"
+"""
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """A page about a pair and a flock, and its folder; other species were not run."""
+    root = tmp_path_factory.mktemp("results")
+    pair = studies.write_folder(root / "pair", studies.pair_rows(), text=SWEEP)
+    flock = studies.write_folder(root / "flock", studies.flock_rows(), "flock")
+    return write_page(pair, flock)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if find_browser() is None:
+        if os.environ.get("CI") == "true":
+            pytest.fail("expected a Chromium in CI, found none; .ci/run installs it")
+        pytest.skip("no Chromium on this machine: apt-get install chromium, or let CI run this")
+    with Browser() as one:
+        yield one
+
+
+@pytest.fixture
+def page(browser, written):
+    """The page, opened anew at a desktop's size."""
+    browser.messages.clear()
+    browser.requests.clear()
+    browser.resize(1280, 900)
+    browser.prefer("light")
+    browser.open(written)
+    return browser
+
+
+def column(page, table, number):
+    """Return the texts of a column of a table, from the top."""
+    cells = f'document.querySelectorAll("#{table} tbody tr td:nth-child({number})")'
+    return page.run(f"Array.from({cells}, (cell) => cell.textContent)")
+
+
+class TestLoading:
+    def test_the_console_stays_empty(self, page):
+        assert page.messages == []
+
+    def test_nothing_is_requested_from_anywhere(self, page, written):
+        assert page.requests[0] == written.resolve().as_uri()
+        assert {one.partition(":")[0] for one in page.requests[1:]} == {"data"}
+
+    def test_the_policy_forbids_a_request(self, page):
+        asked = page.run('fetch("https://example.org").then(() => "answered", () => "refused")')
+        assert asked == "refused"
+        assert any("Content Security Policy" in one for one in page.messages)
+
+    def test_every_figure_is_there(self, page):
+        widths = page.run("Array.from(document.images, (one) => one.complete && one.naturalWidth)")
+        shown = [
+            name
+            for chapter in CHAPTERS
+            for name in chapter.figures
+            if not name.startswith(("species", "parameter"))
+        ]
+        assert len(widths) == len(shown) == 9
+        assert all(width > 300 for width in widths)
+
+    @pytest.mark.parametrize("width", [320, 390, 1280])
+    def test_it_never_scrolls_sideways_as_a_whole(self, page, width):
+        page.resize(width, 800, is_phone=width < 600)
+        assert page.run("document.documentElement.scrollWidth") <= width
+
+
+class TestSorting:
+    TABLE = "all-optima-1"
+
+    def press_head(self, page, number):
+        head = f'document.querySelector("#{self.TABLE} th:nth-child({number})")'
+        page.run(f'{head}.querySelector("button").focus()')
+        page.press("Enter", 13, "\r")
+        return page.run(f'{head}.getAttribute("aria-sort")')
+
+    def number_of(self, page, name):
+        heads = page.run(
+            f'Array.from(document.querySelectorAll("#{self.TABLE} th"), (head) => head.textContent)'
+        )
+        return heads.index(name) + 1
+
+    def test_by_number_both_ways_from_the_keyboard(self, page):
+        number = self.number_of(page, "y m")
+        assert self.press_head(page, number) == "ascending"
+        values = [float(one) for one in column(page, self.TABLE, number)]
+        assert values == sorted(values) and len(set(values)) > 2
+        assert self.press_head(page, number) == "descending"
+        assert [float(one) for one in column(page, self.TABLE, number)] == values[::-1]
+
+    def test_by_word(self, page):
+        number = self.number_of(page, "placement")
+        self.press_head(page, number)
+        words = column(page, self.TABLE, number)
+        assert words == sorted(words) and len(set(words)) == 2
+
+    def test_only_one_column_is_said_to_be_sorted(self, page):
+        for name in ("y m", "placement"):
+            self.press_head(page, self.number_of(page, name))
+        sorted_by = page.run(f'document.querySelectorAll("#{self.TABLE} th[aria-sort]").length')
+        assert sorted_by == 1
+        assert "by placement, ascending" in page.run('document.getElementById("announcement").textContent')
+
+    def test_what_is_absent_comes_last_either_way(self, page):
+        page.run('document.querySelector("#all-optima-1 tbody td:nth-child(5)").dataset.sort = ""')
+        first = page.run('document.querySelector("#all-optima-1 tbody tr").textContent')
+        for _ in range(2):
+            self.press_head(page, 5)
+            assert (
+                page.run('document.querySelector("#all-optima-1 tbody tr:last-child").textContent') == first
+            )
+
+    def test_keys_are_the_numbers_and_not_their_texts(self):
+        assert sort_key(0.1 + 0.2, "0.300") == "0.30000000000000004"
+        assert sort_key("11.4 [9.0, 13.2]", "11.4 [9.0, 13.2]") == "11.4"
+        assert sort_key("2 semispans", "2 semispans") == "2"
+        assert sort_key("2x", "2x") == "2x"
+        assert sort_key(None, "-") == sort_key(float("nan"), "-") == ""
+
+
+class TestReading:
+    def test_colours_follow_the_readers_preference(self, page):
+        ground = "getComputedStyle(document.body).backgroundColor"
+        light = page.run(ground)
+        page.prefer("dark")
+        dark = page.run(ground)
+        brightness = [sum(map(int, re.findall(r"\d+", one))) for one in (light, dark)]
+        assert brightness[0] > 700 and brightness[1] < 150
+
+    @pytest.mark.parametrize("scheme", ["light", "dark"])
+    def test_text_has_contrast(self, page, scheme):
+        page.prefer(scheme)
+        for selector in ("p", "a", "figcaption p", ".missing", "td", "dt"):
+            assert contrast(page, selector) >= 4.5, selector
+
+    def test_language_title_landmarks_and_headings(self, page):
+        assert page.run("document.documentElement.lang") == "en"
+        assert page.run("document.title") == "Upwash: pair"
+        assert page.run('document.querySelectorAll("h1").length') == 1
+        assert page.run('["header", "nav", "main"].every((name) => document.querySelector(name))')
+        levels = page.run(
+            'Array.from(document.querySelectorAll("h1,h2,h3"), (head) => Number(head.tagName[1]))'
+        )
+        assert all(after - before <= 1 for before, after in zip(levels, levels[1:], strict=False))
+
+    def test_the_first_tab_skips_to_the_content(self, page):
+        page.press("Tab", 9)
+        assert page.run("document.activeElement.textContent") == "Skip to the content"
+        page.press("Enter", 13, "\r")
+        assert page.run("document.activeElement.id") == "content"
+
+    def test_figures_are_described_with_their_numbers(self, page):
+        texts = page.run("Array.from(document.images, (one) => one.alt)")
+        assert all(len(text) > 80 and re.search(r"\d", text) for text in texts)
+
+    def test_what_scrolls_can_be_reached_by_keyboard_and_has_a_name(self, page):
+        assert page.run(
+            'Array.from(document.querySelectorAll(".wide")).every((one) => one.tabIndex === 0)'
+            ' && Array.from(document.querySelectorAll("div.wide")).every((one) => one.ariaLabel)'
+        )
+
+    def test_links_within_lead_somewhere(self, page):
+        assert (
+            page.run(
+                "Array.from(document.querySelectorAll(\"a[href^=\\'#\\']\"))"
+                ".filter((link) => !document.getElementById(link.hash.slice(1))).length"
+            )
+            == 0
+        )
+
+    def test_names_are_unique(self, page):
+        ids = page.run('Array.from(document.querySelectorAll("[id]"), (one) => one.id)')
+        assert len(ids) == len(set(ids))
+
+
+def contrast(page, selector):
+    """Return the contrast of the text of the first element that fits with what lies behind it, as WCAG has it."""
+    seen = page.run(
+        f"""(() => {{
+            let one = document.querySelector("main " + {selector!r});
+            const ink = getComputedStyle(one).color;
+            while (getComputedStyle(one).backgroundColor === "rgba(0, 0, 0, 0)") one = one.parentElement;
+            return [ink, getComputedStyle(one).backgroundColor];
+        }})()"""
+    )
+    levels = []
+    for color in seen:
+        parts = [int(part) / 255 for part in re.findall(r"\d+", color)[:3]]
+        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+        levels.append(0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2])
+    return (max(levels) + 0.05) / (min(levels) + 0.05)
+
+
+class TestContent:
+    def test_the_short_answer_names_both_optima(self, page):
+        answer = page.run('document.getElementById("answer").textContent')
+        assert "1.82 m behind, 0.88 m aside and 0.06 m below" in answer
+        assert "not the best of all" in answer
+
+    def test_table_1_stands_beside_ours(self, page):
+        assert "1.83" in column(page, "optimum-1", 3)
+
+    def test_what_is_missing_is_named_with_the_way_to_get_it(self, page):
+        assert "upwash run cross-species" in page.run('document.getElementById("species").textContent')
+        assert "upwash claims" in page.run('document.getElementById("claims-of-the-paper").textContent')
+        assert page.run('document.querySelector("#flock .missing")') is None
+
+    def test_downloads_exist(self, page, written):
+        links = page.run(
+            'Array.from(document.querySelectorAll("a[download]"), (link) => link.getAttribute("href"))'
+        )
+        assert "solutions.parquet" in links and "../flock/flock.parquet" in links
+        assert len(links) == 9 * 3 + 4
+        assert all((written.parent / link).stat().st_size > 1000 for link in links)
+
+    def test_the_line_shown_makes_the_figure(self, page, tmp_path, monkeypatch):
+        code = page.run('document.querySelector("#optimal-position + figure pre").textContent')
+        monkeypatch.chdir(tmp_path)
+        drawn = []
+        monkeypatch.setattr(figures, "draw", lambda *asked: drawn.append(asked) or Saved())
+        exec(code, {})
+        assert (tmp_path / "optimal-position.pdf").exists()
+        assert drawn[0][0] == "optimal-position" and drawn[0][1].endswith("pair")
+
+    def test_provenance_is_told(self, page):
+        told = page.run('document.getElementById("provenance").textContent')
+        assert "numpy" in told and "version 1" in told and "2 (2 solved)" in told and "1.0 s in all" in told
+        assert SWEEP.strip() in told
+
+    def test_names_from_files_stay_text(self, page):
+        assert page.run("document.querySelector('h1').textContent") == "The ibis's pair, & more"
+        assert page.run("document.querySelector('flock')") is None
+
+    def test_indices_are_set_low(self):
+        assert (
+            subscripts("h_L/b & R_1, x_m, I_z, job_id")
+            == "h<sub>L</sub>/b &amp; R<sub>1</sub>, x_m, I_z, job_id"
+        )
+
+    def test_a_long_table_is_cut_and_says_so(self, pair_frame):
+        long = table_context(Table("t", pair_frame), "t")
+        assert len(long["rows"]) == 400
+        assert "the first 400 of 500 rows" in long["notes"][-1]
+
+
+@pytest.fixture
+def pair_frame():
+    return studies.pd.DataFrame({"number": range(500)})
+
+
+class Saved:
+    """A figure that writes its name."""
+
+    def savefig(self, name):
+        with open(name, "w") as file:
+            file.write(name)
+
+
+class TestWriting:
+    def test_the_same_results_give_the_same_page(self, written, monkeypatch):
+        before = written.read_bytes()
+        monkeypatch.setattr("pipeline.report.page.draw_figures", lambda sources, folder: [])
+        assert write_page(written.parent, written.parents[1] / "flock").read_bytes() == before
+
+    def test_a_folder_that_is_none_is_one_line(self, tmp_path):
+        with pytest.raises(UpwashError, match="expected a results folder"):
+            write_page(tmp_path / "nowhere")
+
+    def test_results_that_single_out_no_bird_have_a_page_too(self, tmp_path, monkeypatch):
+        rows = [
+            row for value in (1.1, 1.2, 1.3) for row in studies.pair_rows(mass_kg=value, speed_m_s=10 * value)
+        ]
+        text = write_page(studies.write_folder(tmp_path / "sampled", rows)).read_text()
+        assert "single out no bird" in text and "Not in these results" in text
+        assert text.count("<tr>") == 1 + 6
