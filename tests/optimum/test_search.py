@@ -16,8 +16,8 @@ from pipeline.optimum.search import SAME_BASIN, Basin, Search, merge_basins
 @pytest.fixture(scope="module")
 def search(ibis):
     """The ibis for force, with the basins of a fixed set of starts."""
-    found = Search(PairProblem(ibis, "force"))
-    found.explore(found.random_starts(found.problem.bounds, 120, seed=3))
+    found = Search(PairProblem(ibis, "force"), seed=3)
+    found.explore(found.random_starts(found.problem.bounds, 120))
     return found
 
 
@@ -36,14 +36,14 @@ def basin(cost, hits=1, **moved):
 class TestStarts:
     def test_are_drawn_over_the_whole_box(self, search):
         low, high = search.problem.bounds.T
-        starts = search.random_starts(search.problem.bounds, 500, seed=1)
+        starts = search.random_starts(search.problem.bounds, 500)
         fractions = (starts - low) / (high - low)
         assert np.all((fractions >= 0.0) & (fractions <= 1.0))
         assert np.mean(fractions, axis=0) == pytest.approx(np.full(6, 0.5), abs=0.06)
 
     def test_follow_from_the_seed(self, search):
-        bounds = search.problem.bounds
-        one, again, other = (search.random_starts(bounds, 10, seed) for seed in (7, 7, 8))
+        problem = search.problem
+        one, again, other = (Search(problem, seed).random_starts(problem.bounds, 10) for seed in (7, 7, 8))
         assert np.array_equal(one, again) and not np.any(one == other)
 
 
@@ -69,7 +69,7 @@ class TestBasins:
         assert costs == sorted(costs) and len(costs) > 10
 
     def test_are_the_same_in_one_batch_in_many_and_in_threads(self, search):
-        starts = search.random_starts(search.problem.bounds, 24, seed=9)
+        starts = search.random_starts(search.problem.bounds, 24)
         whole = search.descend(starts)
         parts = merge_basins([one for start in starts for one in search.descend(start[None, :])])
         with ThreadPoolExecutor(2) as pool:
@@ -139,7 +139,7 @@ def ridge(search, edge):
         fill(point)
         return np.vstack([jacobian, 0.05 * normal])
 
-    for start in search.random_starts(problem.bounds, 4, seed=int(edge)):
+    for start in Search(problem, edge).random_starts(problem.bounds, 4):
         end = minimize(
             cost,
             start,
