@@ -50,7 +50,7 @@ Descend = Callable[[NDArray[np.float64]], list[Basin]]
 MARGIN = 1e-9
 """A box is cleared only if its bound exceeds the threshold by this much (costs are near 1)."""
 
-MOST_BOXES = 400_000
+MOST_BOXES = 2_000_000
 """Default budget of boxes."""
 
 TINY = 1e-5
