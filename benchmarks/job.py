@@ -30,24 +30,21 @@ class Parts:
             for solution in [solve_pair(IBIS, objective)]
             for optimum in (solution.global_optimum, solution.v_optimum)
         ]
-        self.basins = self.search.descend(self.starts(self.problem.bounds, STARTS))
-
-    def starts(self, bounds, count):
-        """Draw random starts as a job does."""
-        return self.search.random_starts(bounds, count, seed=0)
+        self.basins = self.explore().basins
 
     def explore(self):
-        """Solve from a job's random starts: over the whole, within the V region, and from there over the whole."""
-        v_bounds = self.problem.v_bounds()
-        in_v = self.starts(v_bounds, STARTS // 2)
-        self.search.descend(self.starts(self.problem.bounds, STARTS))
-        self.search.descend(in_v, v_bounds)
-        self.search.descend(in_v)
+        """Solve from a job's starts: in each kind of place, in the V region, around the best."""
+        search, v_bounds = Search(self.problem), self.problem.v_bounds()
+        search.explore_places(STARTS)
+        in_v = search.random_starts(v_bounds, STARTS)
+        search.descend(in_v, v_bounds)
+        search.explore(in_v)
+        search.explore_around_best()
+        return search
 
     def prove(self, bounds, incumbent):
         """Prove an optimum that is known."""
-        arguments = self.problem, self.search.group, self.search.representative
-        return certify(*arguments, bounds, incumbent, TOLERANCE)
+        return certify(self.problem, bounds, incumbent, TOLERANCE)
 
     def examine(self):
         """Gather the evidence of every basin."""
@@ -63,10 +60,10 @@ def contest() -> Contest:
         best, best_in_v = parts.costs
         for name, run in (
             ("whole job", lambda objective=objective: solve_pair(IBIS, objective, tolerance=TOLERANCE)),
-            ("random starts", parts.explore),
+            ("search", parts.explore),
             ("proof of the V optimum", lambda p=parts, cost=best_in_v: p.prove(p.problem.v_bounds(), cost)),
             ("proof of the global optimum", lambda p=parts, cost=best: p.prove(p.problem.bounds, cost)),
-            ("evidence of every end of a start", parts.examine),
+            ("evidence of every basin", parts.examine),
         ):
             contenders.append(Contender(f"Upwash, {objective}: {name}", run))
     contenders.append(
@@ -79,5 +76,5 @@ def multistart():
     """Return what one would do without Upwash: as many random starts as find the best nearly always."""
     problem = PairProblem(IBIS, "force")
     solve = scipy_slsqp(Model(problem))
-    starts = Search(problem).random_starts(problem.bounds, STARTS_WITHOUT_PROOF, seed=0)
+    starts = Search(problem).random_starts(problem.bounds, STARTS_WITHOUT_PROOF)
     return lambda: np.array([solve(start) for start in starts])

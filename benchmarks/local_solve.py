@@ -144,7 +144,7 @@ def contest() -> Contest:
     """Return the contest: random starts over the whole problem, one after another."""
     search = Search(PairProblem(IBIS, "force"))
     bounds = search.problem.bounds
-    starts = search.random_starts(bounds, STARTS, seed=0)
+    starts = search.random_starts(bounds, STARTS)
     model = Model(search.problem)
 
     def ours(start):

@@ -25,6 +25,7 @@ PARTS = ("seeds", "birds")
 OBJECTIVES = ("force", "power")
 TOLERANCE = 1e-4
 SAME_COST = 1e-9
+NEAR_BEST = 1.01
 
 # The groups that a force-optimal pair depends on: W/(ρ b² U²), λ/b, h/b and R, each with its range.
 GROUPS = {"loading": (0.04, 0.3), "wavelength": (2.5, 8.0), "height": (0.6, 1.8), "span_ratio": (0.35, 0.5)}
@@ -45,6 +46,7 @@ SCHEMA = schema_of(
         Column("leader_span_ratio", "1", "upstroke span ratio of the bird ahead"),
         Column("status", "", "solved, or infeasible: no follower can balance", TEXT),
         Column("optima", "1", "number of optima found", INTEGER),
+        Column("optima_near_best", "1", "number of those that cost at most 1 % more than the best", INTEGER),
         Column("global_cost", "1", "cost of the best optimum over that of the lone bird"),
         Column("v_cost", "1", "cost of the V optimum over that of the lone bird; null if there is none"),
         Column("global_gap", "1", "cost of the best optimum over its proved bound, less 1"),
@@ -136,6 +138,7 @@ def outcome(solution: PairSolution) -> dict[str, Any]:
     return {
         "status": solution.status,
         "optima": len(solution.optima),
+        "optima_near_best": sum(one.cost <= NEAR_BEST * best.cost for one in solution.optima) if best else 0,
         "global_cost": best.cost / best.cost_leader if best else None,
         "v_cost": v_best.cost / v_best.cost_leader if v_best else None,
         "global_gap": proof.global_certified_gap,
@@ -178,8 +181,12 @@ def seed_counts(rows: list[dict[str, Any]]) -> list[str]:
         has_found = costs <= least * (1.0 + SAME_COST)
         spread = np.max(costs[has_found]) / least - 1.0
         lines.append(f"  {name:16} found by {has_found.sum()}, costs within {spread:.1e}")
-    counts = np.array([row["optima"] for row in rows])
-    return [*lines, f"  optima found     {counts.min()} to {counts.max()}", *closure(rows)]
+    for words, column in (("optima", "optima"), ("within 1 %", "optima_near_best")):
+        counts = np.array([row[column] for row in rows])
+        lines.append(
+            f"  {words:16} {counts.min()} to {counts.max()}; {counts.max()} in {(counts == counts.max()).sum()}"
+        )
+    return [*lines, *closure(rows)]
 
 
 def bird_counts(rows: list[dict[str, Any]]) -> list[str]:

@@ -16,6 +16,7 @@ All bounds are ordinary floating point; a box is cleared only with a margin far 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +32,6 @@ from pipeline.optimum.enclosure import (
     VALUE,
     enclose_wake_force,
 )
-from pipeline.optimum.local import SOLVED, solve_local
 from pipeline.optimum.problem import (
     CORE2,
     DRAG,
@@ -42,11 +42,15 @@ from pipeline.optimum.problem import (
     PairProblem,
     cost_of,
 )
+from pipeline.optimum.search import Basin
+
+Descend = Callable[[NDArray[np.float64]], list[Basin]]
+"""Starts -> the solutions that local solves from them reach, best first."""
 
 MARGIN = 1e-9
 """A box is cleared only if its bound exceeds the threshold by this much (costs are near 1)."""
 
-MOST_BOXES = 400_000
+MOST_BOXES = 2_000_000
 """Default budget of boxes."""
 
 TINY = 1e-5
@@ -64,9 +68,8 @@ ASCENT_ROUNDS = 3
 LEAST_MULTIPLIERS = (0.3, 0.5)
 """Floor of the multipliers in the branching score; without it a coarse box looks flat in all but one variable."""
 
-SEARCH_WIDTH = 0.25
-SEARCH_EVERY = 4000
-"""A local solve is tried from the centre of an open box narrower than the width, at most once in so many boxes."""
+SEARCH_WIDTH, SEARCH_EVERY = 0.25, 4000
+"""After each so many boxes a local solve is tried from the centre of an open one that is narrower than the width."""
 
 # What becomes of a box.
 CLEARED, OPEN = range(2)
@@ -84,17 +87,14 @@ class Certificate:
         Boxes examined.
     is_closed : bool
         Whether every box was cleared at the asked tolerance.
-    found : (6,) ndarray of float or None
+    found : Basin or None
         A better solution met on the way, if any.
-    found_cost : float
-        Its cost; infinite if none.
     """
 
     lower_bound: float
     boxes: int
     is_closed: bool
-    found: NDArray[np.float64] | None
-    found_cost: float
+    found: Basin | None
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -427,125 +427,89 @@ def _split_variable(low, high, nu, relaxation):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def branch_and_bound(
-    low,
-    high,
-    limits,
-    threshold,
-    tolerance,
-    budget,
-    lanes,
-    group,
-    representative,
-    constants,
-    bounds,
-    phase_end,
-    found,
-    is_searching,
+def clear_boxes(
+    lows, highs, multipliers, floors, height, limits, threshold, budget, lanes, constants, phase_end, centre
 ):
-    """Clear a box of points cheaper than the threshold, looking for better solutions where it will not clear.
+    """Examine boxes from the top of a stack, and split those that stay open, until it is empty or the budget spent.
 
     Parameters
     ----------
-    low, high : (6,) ndarray of float
-        The box in (x, y, z_up, z_down, R, t).
+    lows, highs : (d, 6) ndarray of float
+        The stack of boxes in (x, y, z_up, z_down, R, t); changed in place.
+    multipliers : (d, 2) ndarray of float
+        Multipliers of the two balances to start from in each box.
+    floors : (d,) ndarray of float
+        What each box is known to cost at least.
+    height : int
+        Boxes on the stack.
     limits : (4,) ndarray of float
         Least and greatest mean height, least and greatest amplitude.
     threshold : float
         Cost to be exceeded.
-    tolerance : float
-        When a better solution is found the threshold becomes its cost over 1 plus this.
     budget : int
         Most boxes to examine.
-    lanes, group, representative, constants : ndarray
-        The problem, see `pipeline.optimum.local.solve_local`.
-    bounds : (6, 2) ndarray of float
-        Bounds within which local solves run.
+    lanes, constants : ndarray of float
+        The problem, see `pipeline.optimum.problem.PairProblem`.
     phase_end : float
         Greatest phase coordinate.
-    found : (6,) ndarray of float
-        Overwritten by the best solution met on the way.
-    is_searching : bool
-        Whether to try local solves from open boxes.
+    centre : (6,) ndarray of float
+        Overwritten: centre, in (x, y, z, h, R, t), of the last narrow box that stayed open, NaN if none did.
 
     Returns
     -------
-    lower_bound : float
-        No feasible point of the box costs less.
+    height : int
+        Boxes left on the stack.
     boxes : int
         Boxes examined.
-    is_closed : bool
-        Whether all boxes were cleared.
-    found_cost : float
-        Cost of the best solution met on the way, infinite if none.
+    left_open : float
+        Least cost in the boxes that were given up, being too small to split; infinite if none was.
     """
-    stack_low, stack_high = np.empty((DEPTH, 6)), np.empty((DEPTH, 6))
-    stack_nu, stack_bound = np.empty((DEPTH, 2)), np.empty(DEPTH)
     scratch, forms = np.empty((8, 10)), np.empty((2, 2, 2, 6))
-    box_low, box_high, nu = np.empty(6), np.empty(6), np.empty(2)
-    start, end, multipliers, pins = np.empty(6), np.empty(6), np.empty(2), np.empty(representative.shape[0])
-    stack_low[0], stack_high[0], stack_nu[0] = low, high, 0.0
-    stack_bound[0] = -np.inf
-    height, boxes, last_search = 1, 0, -SEARCH_EVERY
-    left_open, found_cost = np.inf, np.inf
+    low, high, nu = np.empty(6), np.empty(6), np.empty(2)
+    boxes, left_open = 0, np.inf
+    centre[:] = np.nan
     while height > 0 and boxes < budget:
         height -= 1
         boxes += 1
         for i in range(6):
-            box_low[i], box_high[i] = stack_low[height, i], stack_high[height, i]
-        nu[0], nu[1] = stack_nu[height, 0], stack_nu[height, 1]
-        state, bound = examine(
-            box_low, box_high, nu, lanes, constants, phase_end, limits, threshold, scratch, forms
-        )
+            low[i], high[i] = lows[height, i], highs[height, i]
+        nu[0], nu[1] = multipliers[height, 0], multipliers[height, 1]
+        state, bound = examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scratch, forms)
         if state == CLEARED:
             continue
-        bound = max(bound, stack_bound[height])
+        bound = max(bound, floors[height])
         widest = 0.0
         for i in range(6):
-            widest = max(widest, 0.5 * (box_high[i] - box_low[i]) / WIDTHS[i])
-        if is_searching and widest < SEARCH_WIDTH and boxes - last_search > SEARCH_EVERY:
-            last_search = boxes
+            widest = max(widest, 0.5 * (high[i] - low[i]) / WIDTHS[i])
+        if widest < SEARCH_WIDTH:
             for i in range(6):
-                start[i] = 0.5 * (box_low[i] + box_high[i])
-            up, down = start[2], start[3]
-            start[2], start[3] = 0.5 * (up + down), up - down
-            status, cost, _ = solve_local(
-                start, lanes, group, representative, constants, bounds, end, multipliers, pins
-            )
-            if status == SOLVED and cost < found_cost:
-                found_cost = cost
-                found[:] = end
-                threshold = min(threshold, cost / (1.0 + tolerance))
-        if widest < TINY or height + 2 > DEPTH:
+                centre[i] = 0.5 * (low[i] + high[i])
+            up, down = centre[2], centre[3]
+            centre[2], centre[3] = 0.5 * (up + down), up - down
+        if widest < TINY or height + 2 > lows.shape[0]:
             left_open = min(left_open, bound)
             continue
-        chosen = _split_variable(box_low, box_high, nu, scratch[0:3, 0:8])
-        middle = 0.5 * (box_low[chosen] + box_high[chosen])
+        chosen = _split_variable(low, high, nu, scratch[0:3, 0:8])
+        middle = 0.5 * (low[chosen] + high[chosen])
         for child in range(2):
             for i in range(6):
-                stack_low[height, i], stack_high[height, i] = box_low[i], box_high[i]
+                lows[height, i], highs[height, i] = low[i], high[i]
             if child == 0:
-                stack_high[height, chosen] = middle
+                highs[height, chosen] = middle
             else:
-                stack_low[height, chosen] = middle
-            stack_nu[height, 0], stack_nu[height, 1], stack_bound[height] = nu[0], nu[1], bound
+                lows[height, chosen] = middle
+            multipliers[height, 0], multipliers[height, 1], floors[height] = nu[0], nu[1], bound
             height += 1
-    for k in range(height):
-        left_open = min(left_open, stack_bound[k])
-    # What stayed open before a better solution lowered the threshold may lie above it now.
-    is_closed = left_open >= threshold
-    return min(left_open, threshold), boxes, is_closed, found_cost
+    return height, boxes, left_open
 
 
 def certify(
     problem: PairProblem,
-    group: NDArray[np.int64],
-    representative: NDArray[np.int64],
     bounds: NDArray[np.float64],
     incumbent: float,
     tolerance: float,
     budget: int = MOST_BOXES,
-    is_searching: bool = True,
+    descend: Descend | None = None,
 ) -> Certificate:
     """Prove that no feasible point within bounds costs less than an incumbent by more than a tolerance.
 
@@ -553,8 +517,6 @@ def certify(
     ----------
     problem : PairProblem
         The problem, with two stroke states.
-    group, representative : ndarray of int
-        Its core edges, see `pipeline.optimum.edges.distinct_edges`.
     bounds : (6, 2) ndarray of float
         Bounds in (x, y, z, h, R, t): the problem's, or those of its V part.
     incumbent : float
@@ -563,8 +525,9 @@ def certify(
         By how much the incumbent may exceed the bound, as a share of the bound.
     budget : int
         Most boxes to examine.
-    is_searching : bool
-        Whether open boxes are searched for better solutions.
+    descend : callable, optional
+        Starts -> the solutions that local solves within the bounds reach, best first.  With it open boxes are searched
+        for better solutions, which then are to be undercut.
 
     Returns
     -------
@@ -573,31 +536,38 @@ def certify(
     """
     (x, y, z, h, ratio, phase) = bounds
     if np.any(bounds[:, 0] > bounds[:, 1]):
-        return Certificate(np.inf, 0, True, None, np.inf)
-    low = np.array([x[0], y[0], z[0] + 0.5 * h[0], z[0] - 0.5 * h[1], ratio[0], phase[0]])
-    high = np.array([x[1], y[1], z[1] + 0.5 * h[1], z[1] - 0.5 * h[0], ratio[1], phase[1]])
-    found = np.empty(6)
+        return Certificate(np.inf, 0, True, None)
+    lows, highs = np.empty((DEPTH, 6)), np.empty((DEPTH, 6))
+    multipliers, floors = np.zeros((DEPTH, 2)), np.full(DEPTH, -np.inf)
+    lows[0] = x[0], y[0], z[0] + 0.5 * h[0], z[0] - 0.5 * h[1], ratio[0], phase[0]
+    highs[0] = x[1], y[1], z[1] + 0.5 * h[1], z[1] - 0.5 * h[0], ratio[1], phase[1]
+    limits, centre = np.array([*z, *h]), np.empty(6)
     # With no incumbent a box is cleared only where no balance is possible.
-    threshold = incumbent / (1.0 + tolerance) if np.isfinite(incumbent) else UNREACHABLE_COST
-    lower_bound, boxes, is_closed, found_cost = branch_and_bound(
-        low,
-        high,
-        np.array([z[0], z[1], h[0], h[1]]),
-        threshold,
-        tolerance,
-        budget,
-        problem.lanes,
-        group,
-        representative,
-        problem.constants,
-        bounds,
-        1.0 / problem.model.stroke_states,
-        found,
-        is_searching,
-    )
-    is_found = found_cost < incumbent
-    if is_closed and not is_found and not np.isfinite(incumbent):
-        lower_bound = np.inf
-    return Certificate(
-        float(lower_bound), int(boxes), bool(is_closed), found if is_found else None, float(found_cost)
-    )
+    best, threshold = incumbent, min(incumbent / (1.0 + tolerance), UNREACHABLE_COST)
+    found: Basin | None = None
+    height, boxes, left_open = 1, 0, np.inf
+    while height > 0 and boxes < budget:
+        height, examined, given_up = clear_boxes(
+            lows,
+            highs,
+            multipliers,
+            floors,
+            height,
+            limits,
+            threshold,
+            min(SEARCH_EVERY, budget - boxes),
+            problem.lanes,
+            problem.constants,
+            problem.phase_span(),
+            centre,
+        )
+        boxes, left_open = boxes + examined, min(left_open, given_up)
+        if descend and height > 0 and not np.isnan(centre[0]):
+            better = next((one for one in descend(centre[None, :]) if one.cost < best), None)
+            if better is not None:
+                found, best, threshold = better, better.cost, better.cost / (1.0 + tolerance)
+    left_open = min(left_open, np.min(floors[:height], initial=np.inf))
+    # What stayed open before a better solution lowered the threshold may lie above it now.
+    is_closed = bool(left_open >= threshold)
+    lower_bound = np.inf if is_closed and not np.isfinite(best) else min(left_open, threshold)
+    return Certificate(float(lower_bound), boxes, is_closed, found)

@@ -214,7 +214,9 @@ def solve_local(start, lanes, group, representative, constants, bounds, point, m
     while iteration < MOST_ITERATIONS:
         iteration += 1
         # Core edges in reach of the trust region, the nearest first when there are too many.
-        count = 0
+        count = int(
+            np.int64(0)
+        )  # a plain 0 would have what it is passed to compiled once more, for a literal
         for edge in range(edge_count):
             s = edge_distance(
                 point, lanes, core2, representative[edge, 0], representative[edge, 1], edge_gradient

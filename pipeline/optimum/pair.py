@@ -44,7 +44,8 @@ def solve_pair(
     tolerance : float
         Gap to which the best is to be proved.
     starts : int
-        Random starts over the whole problem; half as many are added within the V region.
+        Random starts in each kind of place (outboard or inboard, astern or abreast) and, again, in the V region;
+        the search around the best optima adds to them.
     most_boxes : int
         Budget of boxes of each proof.
 

@@ -1,7 +1,7 @@
 """One follower's problem solved completely: starts, basins, the proof for the whole and for the V.
 
 Random starts find the basins; branch and bound then either clears everything below the best, or meets
-something better, which becomes a start and the proof begins again.  The V optimum is the best *local optimum
+something better, which then is the best.  The V optimum is the best *local optimum
 of the whole problem* that is outboard, level and astern; the region's own best point may instead lie on one
 of its walls, which is then named.
 
@@ -16,6 +16,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +28,14 @@ from pipeline.optimum.problem import VARIABLES, PairProblem
 from pipeline.optimum.search import SAME_BASIN, Basin, Search
 from pipeline.optimum.solution import V_LABELS, PairSolution, Proof, describe_optimum, labels
 
-STARTS = 120
+STARTS = 80
+"""Default number of starts in each kind of place."""
+
 MOST_PROOFS = 8
-"""Proofs tried in turn when each meets something better than the last one's best."""
+"""Proofs tried in turn when each spends its budget but meets something better than the last one's best."""
+
+ROUNDING = 1e-6
+"""Share of the tolerance by which a proved gap may exceed it."""
 
 STATIONARY = 1e-6
 LEAST_CURVATURE = -1e-6
@@ -67,9 +73,9 @@ def solve_pieces(
         The problem in each piece: one that holds all phases but for symmetry, or several that follow one
         another around the wingbeat and differ in nothing but the phase.
     seed, tolerance, starts, most_boxes
-        As for `pipeline.optimum.pair.solve_pair`; the starts are for each piece.
+        As for `pipeline.optimum.pair.solve_pair`; the pieces share the starts.
     proves_all : bool
-        Whether the global optimum is proved, and not the V optimum alone.
+        Whether the global optimum is proved and the others near it are sought, and not the V optimum alone.
 
     Returns
     -------
@@ -77,23 +83,28 @@ def solve_pieces(
         The optima of all pieces, best first, and the proof.
     """
     begun = time.perf_counter()
-    searches = [Search(problem) for problem in problems]
+    searches = [Search(problem, seed) for problem in problems]
+    share = -(-starts // len(problems))
     problem, v_bounds = problems[0], [one.v_bounds() for one in problems]
     has_v_region = bool(np.all(v_bounds[0][:, 0] <= v_bounds[0][:, 1]))
     in_v: list[Basin | None] = [None] * len(problems)
     for number, search in enumerate(searches):
-        search.explore(search.random_starts(search.problem.bounds, starts, seed))
+        search.explore_places(share)
         if has_v_region:
-            v_starts = search.random_starts(v_bounds[number], max(1, starts // 2), seed + 1)
+            v_starts = search.random_starts(v_bounds[number], share)
             within = search.descend(v_starts, v_bounds[number])
             search.explore(v_starts)
             in_v[number] = within[0] if within else None
+        if proves_all:
+            search.explore_around_best()
 
     v_region = _prove(searches, v_bounds, in_v, tolerance, most_boxes)
     whole = _NOTHING_PROVED
     if proves_all:
         bounds = [one.bounds for one in problems]
         whole = _prove(searches, bounds, [None] * len(problems), tolerance, most_boxes)
+        for search in searches:
+            search.explore_around_best()
     optima = _optima(searches)
     v_best = next((one for one in optima if labels(problem, *one.basin.point[:3]) == V_LABELS), None)
     described = tuple(
@@ -109,17 +120,22 @@ def solve_pieces(
         for rank, one in enumerate(optima)
     )
     unit = problem.leader_cost
+    v_gap = v_best.basin.cost / v_region.lower_bound - 1.0 if v_best else None
+    gap = optima[0].basin.cost / whole.lower_bound - 1.0 if optima and proves_all else None
+    v_wall = _walls(v_region, v_best, v_bounds, problems)
+    # What is proved of a region's best point is not proved of an optimum that costs more.
+    proved = [gap, None if v_wall else v_gap]
     proof = Proof(
         v_lower_bound=v_region.lower_bound * unit,
-        v_certified_gap=v_best.basin.cost / v_region.lower_bound - 1.0 if v_best else None,
+        v_certified_gap=v_gap,
         global_lower_bound=whole.lower_bound * unit if proves_all else None,
-        global_certified_gap=(
-            optima[0].basin.cost / whole.lower_bound - 1.0 if optima and proves_all else None
-        ),
+        global_certified_gap=gap,
         certificate_boxes=v_region.boxes + whole.boxes,
-        v_wall=_walls(v_region, v_best, v_bounds, problems),
+        v_wall=v_wall,
         feasible=bool(optima),
-        is_closed=v_region.is_closed and whole.is_closed,
+        is_closed=v_region.is_closed
+        and whole.is_closed
+        and all(one is None or one <= tolerance * (1.0 + ROUNDING) for one in proved),
     )
     status = "solved" if optima else "infeasible"
     return PairSolution(status, described, proof, time.perf_counter() - begun)
@@ -201,29 +217,22 @@ def _prove(
         for _ in range(MOST_PROOFS):
             certificate = certify(
                 search.problem,
-                search.group,
-                search.representative,
                 within,
                 best.cost if best else math.inf,
                 tolerance,
                 most_boxes,
+                partial(search.descend, bounds=within),
             )
             boxes += certificate.boxes
             if certificate.found is None:
                 break
-            starts = certificate.found[None, :]
-            search.explore(starts)
-            improved = search.descend(starts, within)
-            if not improved or (best is not None and improved[0].cost >= best.cost):
-                break
-            best, piece = improved[0], number
+            best, piece = certificate.found, number
+            search.explore(best.point[None, :])
             if certificate.is_closed:
                 break
         lower_bound = min(lower_bound, certificate.lower_bound)
         is_closed = is_closed and certificate.is_closed
-    # A better solution that the proof met, but that no local solve confirms, leaves it open.
-    is_confirmed = best is None or best.cost <= lower_bound * (1.0 + tolerance) * (1.0 + 1e-9)
-    return _Region(lower_bound, best, piece, boxes, is_closed and is_confirmed)
+    return _Region(lower_bound, best, piece, boxes, is_closed)
 
 
 def _walls(

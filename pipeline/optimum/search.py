@@ -1,12 +1,15 @@
 """Local solves from many starts, merged into basins.
 
-Starts are drawn over the whole of a box, each descends to a local optimum, and optima closer than a distance in scaled
-variables are one basin.  The same seed gives the same basins on any machine and for any number of workers.
+Each start descends to a local optimum, and optima closer than a distance in scaled variables are one basin.  Starts
+are drawn first over the kinds of place that a follower may have, the same number in each: a small place, as that beside
+the leader, has its optima like a large one.  Good optima lie near other good optima, so starts are then drawn around
+the best, and around those that this finds.  The same seed gives the same basins for any number of workers.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numba import njit
@@ -14,10 +17,19 @@ from numpy.typing import NDArray
 
 from pipeline.optimum.edges import distinct_edges
 from pipeline.optimum.local import SCALE, SOLVED, solve_local
-from pipeline.optimum.problem import CORE2, PairProblem
+from pipeline.optimum.problem import ASTERN, CORE2, OUTBOARD, PairProblem
 
 SAME_BASIN = 1e-4
 """Largest distance of two ends of local solves, in units of `SCALE`, that are taken for one optimum."""
+
+NEAR_BEST = 1.02
+"""Basins that cost at most this many times the best are searched around."""
+
+NEIGHBOURHOOD = np.array([0.5, 0.5, 0.5, 0.5, 0.1])
+"""How far around a basin starts are drawn, in (x, y, z, h, R); in phase they are drawn over all of it."""
+
+NEIGHBOURS, MOST_NEIGHBOURHOODS = 30, 40
+"""Starts around a basin; basins that are searched around at most, the best first."""
 
 
 @dataclass(frozen=True)
@@ -89,20 +101,23 @@ class Search:
     ----------
     problem : PairProblem
         What to solve.
+    seed : int
+        Seed of the random starts.
     """
 
-    def __init__(self, problem: PairProblem) -> None:
+    def __init__(self, problem: PairProblem, seed: int = 0) -> None:
         self.problem = problem
+        self.random = np.random.default_rng(seed)
         self.group, self.representative = distinct_edges(
             problem.lanes, problem.constants[CORE2], problem.bounds
         )
         self.starts = 0
         self.basins: list[Basin] = []
+        self.searched_around: list[Basin] = []
 
-    def random_starts(self, bounds: NDArray[np.float64], count: int, seed: int) -> NDArray[np.float64]:
-        """Draw starts evenly over a box; the same seed gives the same starts."""
-        fractions = np.random.default_rng(seed).random((count, 6))
-        return bounds[:, 0] + fractions * (bounds[:, 1] - bounds[:, 0])
+    def random_starts(self, bounds: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+        """Draw starts evenly over a box."""
+        return bounds[:, 0] + self.random.random((count, 6)) * (bounds[:, 1] - bounds[:, 0])
 
     def descend(self, starts: NDArray[np.float64], bounds: NDArray[np.float64] | None = None) -> list[Basin]:
         """Solve from each start and return the basins reached, best first.
@@ -143,17 +158,54 @@ class Search:
         """Solve from each start within the problem's bounds and keep the basins."""
         self.basins = merge_basins(self.basins + self.descend(starts))
 
+    def explore_places(self, count: int) -> None:
+        """Solve from so many starts each outboard and inboard, astern and abreast."""
+        for axis_ranges in product(
+            _parts(self.problem.bounds[0], ASTERN), _parts(self.problem.bounds[1], OUTBOARD)
+        ):
+            place = self.problem.bounds.copy()
+            place[:2] = axis_ranges
+            self.explore(self.random_starts(place, count))
+
+    def explore_around_best(self) -> None:
+        """Solve from starts around each basin that costs nearly as little as the best, and those so found."""
+        while new := self._not_searched_around():
+            self.searched_around += new
+            self.explore(np.concatenate([self._neighbours(basin) for basin in new]))
+
+    def _not_searched_around(self) -> list[Basin]:
+        near = [basin for basin in self.basins if basin.cost <= NEAR_BEST * self.basins[0].cost]
+        new = [basin for basin in near if find_basin(basin, self.searched_around) is None]
+        return new[: MOST_NEIGHBOURHOODS - len(self.searched_around)]
+
+    def _neighbours(self, basin: Basin) -> NDArray[np.float64]:
+        around = self.problem.bounds.copy()
+        around[:5] = basin.point[:5, None] + NEIGHBOURHOOD[:, None] * [-1.0, 1.0]
+        return np.clip(self.random_starts(around, NEIGHBOURS), *self.problem.bounds.T)
+
+
+def _parts(bounds: NDArray[np.float64], wall: float) -> list[tuple[float, float]]:
+    """Split a range at a wall, if it lies within."""
+    low, high = bounds
+    return [(low, wall), (wall, high)] if low < wall < high else [(low, high)]
+
+
+def find_basin(basin: Basin, known: list[Basin]) -> int | None:
+    """Return which of the known basins is the same as one, or None."""
+    if not known:
+        return None
+    apart = np.abs(np.array([one.point for one in known]) - basin.point) / SCALE
+    same = np.flatnonzero(np.max(apart, axis=1) < SAME_BASIN)
+    return int(same[0]) if same.size else None
+
 
 def merge_basins(basins: list[Basin]) -> list[Basin]:
     """Merge basins that are one optimum, add up their hits and sort them by cost, the best first."""
     merged: list[Basin] = []
     for basin in sorted(basins, key=lambda b: b.cost):
-        for k, known in enumerate(merged):
-            if np.max(np.abs(basin.point - known.point) / SCALE) < SAME_BASIN:
-                merged[k] = Basin(
-                    known.point, known.cost, known.multipliers, known.pins, known.hits + basin.hits
-                )
-                break
-        else:
+        k = find_basin(basin, merged)
+        if k is None:
             merged.append(basin)
+        else:
+            merged[k] = replace(merged[k], hits=merged[k].hits + basin.hits)
     return merged

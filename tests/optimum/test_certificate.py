@@ -26,10 +26,9 @@ PHASE_END = 0.5
 @pytest.fixture(scope="module", params=["force", "power"])
 def search(request):
     """A problem with basins found from a fixed set of starts: feasible points of known cost."""
-    found = Search(PairProblem(IBIS, request.param))
-    found.explore(found.random_starts(found.problem.bounds, 60, seed=3))
-    v_bounds = found.problem.v_bounds()
-    found.explore(found.random_starts(v_bounds, 30, seed=4))
+    found = Search(PairProblem(IBIS, request.param), seed=3)
+    found.explore(found.random_starts(found.problem.bounds, 60))
+    found.explore(found.random_starts(found.problem.v_bounds(), 30))
     return found
 
 
@@ -285,13 +284,11 @@ def test_no_feasible_point_is_lost_below_a_threshold_above_its_cost(search):
 def certify_incumbent(search, bounds, incumbent, *, budget, is_searching):
     return certify.certify(
         search.problem,
-        search.group,
-        search.representative,
         bounds,
         incumbent,
         TOLERANCE,
         budget,
-        is_searching,
+        search.descend if is_searching else None,
     )
 
 
@@ -308,8 +305,8 @@ def test_a_better_solution_is_met_on_the_way(search):
     poor = search.basins[-1].cost
     proof = certify_incumbent(search, search.problem.bounds, poor, budget=400_000, is_searching=True)
     assert proof.is_closed
-    assert proof.found_cost <= search.basins[0].cost * (1.0 + 1e-9)
-    assert proof.lower_bound == pytest.approx(proof.found_cost / (1.0 + TOLERANCE), rel=1e-12)
+    assert proof.found.cost <= search.basins[0].cost * (1.0 + 1e-9)
+    assert proof.lower_bound == pytest.approx(proof.found.cost / (1.0 + TOLERANCE), rel=1e-12)
 
 
 def test_a_spent_budget_is_reported_as_open(search):
@@ -324,10 +321,8 @@ def test_a_spent_budget_is_reported_as_open(search):
 def test_where_no_balance_is_possible_that_is_proved():
     """A leader whose span ratio lies outside the follower's bounds leaves far too little lift to a weak wake."""
     weak = Bird(0.05, 0.6, 25.0, 0.25, 1.29, 9.8, 1.0, 0.7)
-    found = Search(PairProblem(weak, "force"))
-    proof = certify.certify(
-        found.problem, found.group, found.representative, found.problem.bounds, math.inf, TOLERANCE
-    )
+    problem = PairProblem(weak, "force")
+    proof = certify.certify(problem, problem.bounds, math.inf, TOLERANCE)
     assert proof.is_closed
     assert proof.lower_bound == math.inf
 
@@ -405,8 +400,8 @@ def is_caught(enclosing, certifying, search):
 @pytest.fixture(scope="module")
 def small_search():
     """A problem with a handful of basins: the interpreter is slow."""
-    found = Search(PairProblem(IBIS, "force"))
-    found.explore(found.random_starts(found.problem.v_bounds(), 20, seed=4))
+    found = Search(PairProblem(IBIS, "force"), seed=4)
+    found.explore(found.random_starts(found.problem.v_bounds(), 20))
     found.basins = found.basins[:3]
     return found
 

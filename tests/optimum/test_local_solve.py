@@ -43,7 +43,7 @@ class Solver:
         return np.sum(np.abs(residual))
 
     def random_starts(self, count, seed=11):
-        return self.search.random_starts(self.problem.bounds, count, seed)
+        return Search(self.problem, seed).random_starts(self.problem.bounds, count)
 
 
 @pytest.fixture(scope="module", params=["force", "power"])

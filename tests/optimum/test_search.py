@@ -1,6 +1,8 @@
 """The search: starts, basins, and the evidence that tells an optimum from what only looks like one."""
 
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
+from itertools import product
 
 import numpy as np
 import pytest
@@ -10,14 +12,15 @@ from pipeline.optimum.edges import edge_distance, edge_pull
 from pipeline.optimum.evidence import gather_evidence
 from pipeline.optimum.local import SCALE
 from pipeline.optimum.problem import CORE2, PairProblem, evaluate
-from pipeline.optimum.search import SAME_BASIN, Basin, Search, merge_basins
+from pipeline.optimum.search import NEAR_BEST, NEIGHBOURHOOD, SAME_BASIN, Basin, Search, merge_basins
+from pipeline.optimum.solution import labels
 
 
 @pytest.fixture(scope="module")
 def search(ibis):
     """The ibis for force, with the basins of a fixed set of starts."""
-    found = Search(PairProblem(ibis, "force"))
-    found.explore(found.random_starts(found.problem.bounds, 120, seed=3))
+    found = Search(PairProblem(ibis, "force"), seed=3)
+    found.explore(found.random_starts(found.problem.bounds, 120))
     return found
 
 
@@ -36,15 +39,51 @@ def basin(cost, hits=1, **moved):
 class TestStarts:
     def test_are_drawn_over_the_whole_box(self, search):
         low, high = search.problem.bounds.T
-        starts = search.random_starts(search.problem.bounds, 500, seed=1)
+        starts = search.random_starts(search.problem.bounds, 500)
         fractions = (starts - low) / (high - low)
         assert np.all((fractions >= 0.0) & (fractions <= 1.0))
         assert np.mean(fractions, axis=0) == pytest.approx(np.full(6, 0.5), abs=0.06)
 
     def test_follow_from_the_seed(self, search):
-        bounds = search.problem.bounds
-        one, again, other = (search.random_starts(bounds, 10, seed) for seed in (7, 7, 8))
+        problem = search.problem
+        one, again, other = (Search(problem, seed).random_starts(problem.bounds, 10) for seed in (7, 7, 8))
         assert np.array_equal(one, again) and not np.any(one == other)
+
+    def test_are_as_many_in_each_kind_of_place(self, search, monkeypatch):
+        problem, drawn = search.problem, []
+        monkeypatch.setattr(Search, "explore", lambda _, starts: drawn.append(starts))
+        Search(problem).explore_places(25)
+        starts = np.concatenate(drawn)
+        assert np.all((starts >= problem.bounds[:, 0]) & (starts <= problem.bounds[:, 1]))
+        assert Counter(labels(problem, *start[:3])[::2] for start in starts) == dict.fromkeys(
+            product(("outboard", "inboard"), ("astern", "abreast")), 25
+        )
+
+    def test_around_the_best_lie_within_the_bounds_and_around_each_of_them_once(self, search, monkeypatch):
+        problem, drawn = search.problem, []
+        around = Search(problem)
+        around.basins = search.basins
+        monkeypatch.setattr(Search, "explore", lambda _, starts: drawn.append(starts))
+        around.explore_around_best()
+        near = [one for one in search.basins if one.cost <= NEAR_BEST * search.basins[0].cost]
+        assert 1 < len(near) < len(search.basins)
+        groups = np.split(np.concatenate(drawn), len(near))
+        for one, starts in zip(near, groups, strict=True):
+            assert np.all((starts >= problem.bounds[:, 0]) & (starts <= problem.bounds[:, 1]))
+            apart = np.abs(starts[:, :5] - one.point[:5]) / NEIGHBOURHOOD
+            assert np.max(apart) <= 1.0 and np.all(np.max(apart, axis=0) > 0.5)
+        around.explore_around_best()
+        assert len(drawn) == 1
+
+    def test_around_one_good_optimum_find_better_ones(self, search):
+        """From the dearer of two neighbours alone, both inboard, the search reaches the best of all."""
+        alone = Search(search.problem, seed=5)
+        best = min(search.basins, key=lambda one: one.cost)
+        alone.basins = [
+            next(one for one in search.basins if one.cost > 1.001 * best.cost and one.point[1] < 1.0)
+        ]
+        alone.explore_around_best()
+        assert alone.basins[0].cost == pytest.approx(best.cost, rel=1e-9)
 
 
 class TestBasins:
@@ -69,7 +108,7 @@ class TestBasins:
         assert costs == sorted(costs) and len(costs) > 10
 
     def test_are_the_same_in_one_batch_in_many_and_in_threads(self, search):
-        starts = search.random_starts(search.problem.bounds, 24, seed=9)
+        starts = search.random_starts(search.problem.bounds, 24)
         whole = search.descend(starts)
         parts = merge_basins([one for start in starts for one in search.descend(start[None, :])])
         with ThreadPoolExecutor(2) as pool:
@@ -139,7 +178,7 @@ def ridge(search, edge):
         fill(point)
         return np.vstack([jacobian, 0.05 * normal])
 
-    for start in search.random_starts(problem.bounds, 4, seed=int(edge)):
+    for start in Search(problem, edge).random_starts(problem.bounds, 4):
         end = minimize(
             cost,
             start,
