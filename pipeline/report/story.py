@@ -9,7 +9,7 @@ import pandas as pd
 
 from pipeline.report import species_tables
 from pipeline.report.comparison import compare, compare_objectives
-from pipeline.report.figures.drawing import OBJECTIVE_LABELS
+from pipeline.report.figures.drawing import OBJECTIVE_LABELS, percent
 from pipeline.report.figures.flocks import papers_flocks, series
 from pipeline.report.mechanism import count_species, mechanism
 from pipeline.report.observations import compare_with_observations
@@ -208,8 +208,8 @@ def short_answer(sources: Sources) -> list[str]:
         sentence = (
             f"For {OBJECTIVE_LABELS[objective]} a {name} should fly {row['x_m']:.2f} m behind, "
             f"{abs(row['y_m']):.2f} m aside and {abs(row['z_m']):.2f} m {level} the bird ahead, at phase "
-            f"{row['phase']:.2f}. It then flaps {1.0 - row['amplitude_m'] / row['leader_amplitude_m']:.0%} "
-            f"less far and saves {row['saving_total']:.1%} of its power."
+            f"{row['phase']:.2f}. It then flaps {percent(1.0 - row['amplitude_m'] / row['leader_amplitude_m'])} "
+            f"less far and saves {percent(row['saving_total'], 1)} of its power."
         )
         found = best_optima(pair[pair["objective"] == objective])
         if V not in found:
@@ -220,7 +220,7 @@ def short_answer(sources: Sources) -> list[str]:
             gap = found[V]["cost"] / found[GLOBAL]["cost"] - 1.0
             sentence += (
                 f" That is the best place in a V, but not the best of all: one {found[GLOBAL]['y_m']:.2f} m "
-                f"aside ({found[GLOBAL]['placement']}) costs {gap / (1.0 + gap):.2%} less."
+                f"aside ({found[GLOBAL]['placement']}) costs {percent(gap / (1.0 + gap), 2)} less."
             )
         sentences.append(sentence)
     return sentences

@@ -126,10 +126,14 @@ class TestEveryFigure:
 
     def test_nothing_is_cut_off(self, one):
         _, _, figure = one
-        box = figure.get_tightbbox(FigureCanvasAgg(figure).get_renderer())
         width, height = figure.get_size_inches()
-        assert box.x0 > -0.01 and box.y0 > -0.01
-        assert box.x1 < width + 0.01 and box.y1 < height + 0.01
+        drawn_at = figure.dpi
+        for resolution in (drawn_at, 600):
+            figure.set_dpi(resolution)
+            box = figure.get_tightbbox(FigureCanvasAgg(figure).get_renderer())
+            figure.set_dpi(drawn_at)
+            assert box.x0 > -0.01 and box.y0 > -0.01
+            assert box.x1 < width + 0.01 and box.y1 < height + 0.01
 
     def test_titles_of_panels_do_not_overlap(self, one):
         _, _, figure = one

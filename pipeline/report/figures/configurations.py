@@ -17,6 +17,7 @@ from pipeline.report.figures.drawing import (
     PAGE_WIDTH_IN,
     UPSTROKE,
     letter,
+    percent,
     signed,
     styled,
 )
@@ -50,7 +51,7 @@ def describe(pair: pd.DataFrame) -> str:
     weights = phase_weights(row["phase"])
     parts = [
         f"leader {STATES[j]}, follower {STATES[k]}: lift {signed(forces[j, k, 0])} N, thrust "
-        f"{signed(forces[j, k, 1])} N for {weights[j, k]:.0%} of the wingbeat"
+        f"{signed(forces[j, k, 1])} N for {percent(float(weights[j, k]))} of the wingbeat"
         for j, k in np.ndindex(2, 2)
     ]
     return (
@@ -169,7 +170,9 @@ def _draw_wake(axes: Axes, row: pd.Series, state: int) -> None:
             )
             # Filaments 0 and 1 run along +y and +x; 2 and 3 return. Signs stand outside the loop.
             outward = middle - VIEW.flat(corners).mean(axis=0)
-            place = middle + 0.24 * bird.semispan_m * outward / np.linalg.norm(outward)
+            # Those beside a wing or the next loop stand farther out.
+            distance = 0.24 if k % 2 else 0.3
+            place = middle + distance * bird.semispan_m * outward / np.linalg.norm(outward)
             axes.text(place[0], place[1], "+Γ" if k < 2 else "−Γ", ha="center", va="center", fontsize=6.5)
     tip = bird.amplitude_m * stroke_height(state / 2)
     fixed, flexed = stroke_span(state / 2)

@@ -23,7 +23,7 @@ PAGE_WIDTH_IN = 7.0
 """Width of a printed page's text, in inches."""
 
 # As in the style file.
-TITLE_PAD_PT = 5.0
+TITLE_PAD_PT, TICK_LABEL_PT = 5.0, 7.0
 
 # Okabe and Ito's colours by what they mean here. Nothing is told by colour alone: marker or line says it too.
 LEADER = "#000000"
@@ -65,8 +65,8 @@ def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
             style.use(STYLE)
             figure = draw(*args, **kwargs)
             for axes in figure.axes:
-                axes.tick_params("x", labelsize=matplotlib.rcParams["xtick.labelsize"])
-                axes.tick_params("y", labelsize=matplotlib.rcParams["ytick.labelsize"])
+                for axis in (axes.xaxis, axes.yaxis):
+                    axis.set_tick_params(labelsize=axis.get_tick_params().get("labelsize", TICK_LABEL_PT))
             figure.draw_without_rendering()
             figure.set_layout_engine(None)
             return figure
@@ -102,6 +102,11 @@ def mark(objective: str, **changes: Any) -> dict[str, Any]:
 def signed(value: float, digits: int = 3) -> str:
     """Return a number with its sign, a true minus, and so many decimals."""
     return f"{value:+.{digits}f}".replace("-", "−")
+
+
+def percent(value: float, digits: int = 0) -> str:
+    """Return a fraction as a percentage with a true minus and so many decimals."""
+    return f"{100.0 * value:.{digits}f} %".replace("-", "−")
 
 
 def in_percent(axis: Axis) -> None:

@@ -23,8 +23,8 @@ CAPTION = (
 KINEMATICS = (
     ("span_ratio_ratio", "$R/R_1$", "Upstroke span ratio"),
     ("amplitude_ratio", "$h/h_1$", "Amplitude"),
-    ("induced_ratio", "$P_{ind}/P_{ind,1}$", "Induced power"),
-    ("profile_ratio", "$P_{pro}/P_{pro,1}$", "Profile power"),
+    ("induced_ratio", "$P_\\mathrm{ind}/P_{\\mathrm{ind},1}$", "Induced power"),
+    ("profile_ratio", "$P_\\mathrm{pro}/P_{\\mathrm{pro},1}$", "Profile power"),
 )
 
 

@@ -8,7 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.report.figures.drawing import FAINT, OBJECTIVE_LABELS, PAGE_WIDTH_IN, in_percent, letter, styled
+from pipeline.report.figures.drawing import (
+    FAINT,
+    OBJECTIVE_LABELS,
+    PAGE_WIDTH_IN,
+    in_percent,
+    letter,
+    percent,
+    styled,
+)
 from pipeline.report.figures.flocks import READINGS, look_of, papers_flocks, series
 
 NAME = "flock-saving"
@@ -48,9 +56,10 @@ def describe(flock: pd.DataFrame) -> str:
         last = means(birds).iloc[-1]
         parts.append(
             f"{OBJECTIVE_LABELS[objective]}, {READINGS[reading]['words']}: "
-            f"{birds['saving_total'].iloc[1]:.1%} for the second bird, {birds['saving_total'].iloc[-1]:.1%} "
-            f"for the last, {last['saving']:.1%} in the mean over {last['size']:.0f} birds, which is "
-            f"{last['range_gain']:.1%} more range"
+            f"{percent(birds['saving_total'].iloc[1], 1)} for the second bird, "
+            f"{percent(birds['saving_total'].iloc[-1], 1)} for the last, "
+            f"{percent(last['saving'], 1)} in the mean over {last['size']:.0f} birds, which is "
+            f"{percent(last['range_gain'], 1)} more range"
         )
     return "Savings in a flock. " + "; ".join(parts) + "."
 

@@ -84,8 +84,8 @@ def draw(pair: pd.DataFrame) -> Figure:
         The figure.
     """
     bird = bird_of(pair.iloc[0])
-    figure = Figure(figsize=(PAGE_WIDTH_IN, 4.4), layout="constrained")
-    grid = figure.add_gridspec(2, 2, height_ratios=(1.25, 1.0))
+    figure = Figure(figsize=(PAGE_WIDTH_IN, 4.1), layout="constrained")
+    grid = figure.add_gridspec(2, 2, height_ratios=(1.15, 1.0))
     _draw_wake(figure.add_subplot(grid[0, :]), bird)
     _draw_side(figure.add_subplot(grid[1, 0]), bird)
     _draw_plan(figure.add_subplot(grid[1, 1]), bird)
@@ -129,6 +129,11 @@ def _draw_wake(axes: Axes, bird: Bird) -> None:
     letter(axes, "a", "What the wingtips leave behind, at the end of an upstroke")
 
 
+def _height(bird: Bird) -> float:
+    """Return what the lower panels show from bottom to top, in m: the same, so that they stand level."""
+    return max(1.9 * bird.amplitude_m, 2.75 * bird.semispan_m)
+
+
 def _draw_side(axes: Axes, bird: Bird) -> None:
     half, tip = bird.wavelength_m / 2.0, bird.amplitude_m / 2.0
     found = impulses(bird)
@@ -164,7 +169,7 @@ def _draw_side(axes: Axes, bird: Bird) -> None:
     axes.text(2.13 * half, 0.0, "$h$", va="center")
     axes.set(
         xlim=(-0.1 * half, 2.25 * half),
-        ylim=(-1.2 * tip, 2.6 * tip),
+        ylim=(-1.2 * tip, -1.2 * tip + _height(bird)),
         aspect="equal",
         xlabel="x, downstream (m)",
         ylabel="z, up (m)",
@@ -198,7 +203,7 @@ def _draw_plan(axes: Axes, bird: Bird) -> None:
     axes.text(1.5 * half, -1.36 * b, "$λ/2$", ha="center", va="center")
     axes.set(
         xlim=(-0.1 * half, 2.25 * half),
-        ylim=(-1.6 * b, 1.15 * b),
+        ylim=(-1.6 * b, -1.6 * b + _height(bird)),
         aspect="equal",
         xlabel="x, downstream (m)",
         ylabel="y, to the right (m)",

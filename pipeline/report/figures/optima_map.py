@@ -13,7 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipeline.optimum.problem import ASTERN, LEVEL, OUTBOARD
-from pipeline.report.figures.drawing import FAINT, LEADER, OBJECTIVE_LABELS, PAGE_WIDTH_IN, letter, styled
+from pipeline.report.figures.drawing import (
+    FAINT,
+    LEADER,
+    OBJECTIVE_LABELS,
+    PAGE_WIDTH_IN,
+    letter,
+    percent,
+    styled,
+)
 from pipeline.report.sources import common_name, objectives_of
 
 NAME = "optima-map"
@@ -37,7 +45,7 @@ def describe(pair: pd.DataFrame) -> str:
         rows = pair[pair["objective"] == objective].sort_values("rank")
         in_v = rows[rows["is_v_optimum"].fillna(False).astype(bool)]
         best = rows.iloc[0]
-        gap = f"{in_v['cost'].iloc[0] / best['cost'] - 1.0:.2%} above it" if len(in_v) else "missing"
+        gap = f"{percent(in_v['cost'].iloc[0] / best['cost'] - 1.0, 2)} above it" if len(in_v) else "missing"
         parts.append(
             f"{OBJECTIVE_LABELS[objective]}: {len(rows)} optima; the best is {best['placement']}, "
             f"{best['tier']} and {best['station']} at {best['x_m']:.2f} m behind and {best['y_m']:.2f} m "

@@ -15,6 +15,7 @@ from pipeline.report.figures.drawing import (
     PAGE_WIDTH_IN,
     in_percent,
     letter,
+    percent,
     styled,
 )
 from pipeline.report.sources import objectives_of, subject, varied_inputs
@@ -73,8 +74,8 @@ def describe(varied: pd.DataFrame) -> str:
         found = curve(rows, name, objective).dropna()
         first, last = found.iloc[0], found.iloc[-1]
         parts.append(
-            f"{LABELS[name][0].lower()} {first[name]:.3g} to {last[name]:.3g}: {first['saving_total']:.1%} "
-            f"to {last['saving_total']:.1%}"
+            f"{LABELS[name][0].lower()} {first[name]:.3g} to {last[name]:.3g}: {percent(first['saving_total'], 1)} "
+            f"to {percent(last['saving_total'], 1)}"
         )
     return f"Savings for {OBJECTIVE_LABELS[objective]} as one input varies. " + "; ".join(parts) + "."
 

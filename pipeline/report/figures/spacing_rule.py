@@ -18,6 +18,7 @@ from pipeline.report.figures.drawing import (
     UPSTROKE,
     letter,
     mark,
+    signed,
     styled,
 )
 from pipeline.report.sources import best, bird_of, objectives_of
@@ -29,8 +30,8 @@ CAPTION = (
     "From above, the two pairs of stroke states that matter in antiphase: (a) leader down, follower up; (b) "
     "leader up, follower down. The nearer tip vortex of the leader's downstroke lies π b/4 aside throughout "
     "(green); the follower's inner wingtip would meet it if the follower were at π b/4 + R_F b (a) and π "
-    "b/4 + b (b), the dashed lines. It cannot be at both, and flies near their mean: the spacing rule. (c) "
-    "The position found for each cost, and by how much it differs from the rule's."
+    "b/4 + b (b), the dotted lines. It cannot be at both, and flies near their mean: the spacing rule. (c) "
+    "The position found for each cost, and by how much it differs from the rule's, y = b (π/4 + (1 + R_F)/2)."
 )
 
 
@@ -42,7 +43,7 @@ def describe(pair: pd.DataFrame) -> str:
         rule = spanwise_spacing_rule(row["semispan_m"], row["upstroke_span_ratio"])
         parts.append(
             f"{OBJECTIVE_LABELS[objective]}: {row['y_m']:.3f} m found, {rule:.3f} m by the rule, "
-            f"{row['y_m'] / rule - 1.0:+.1%} apart"
+            f"{signed(100.0 * (row['y_m'] / rule - 1.0), 1)} % apart"
         )
     return "Two sketches of leader, wake and follower from above, and the spacing. " + "; ".join(parts) + "."
 
@@ -144,7 +145,7 @@ def _draw_found(axes: Axes, rows: list[pd.Series]) -> None:
         )
         axes.plot(place, found, **mark(row["objective"], markersize=6), gid=f"found {row['objective']}")
         axes.annotate(
-            f"{found / rule - 1.0:+.1%}".replace("-", "−"),
+            f"{signed(100.0 * (found / rule - 1.0), 1)} %",
             (place, found),
             (0, 6),
             textcoords="offset points",

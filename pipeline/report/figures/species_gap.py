@@ -9,7 +9,15 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from pipeline.report.comparison import compare, compare_objectives
-from pipeline.report.figures.drawing import FAINT, OBJECTIVE_LABELS, PAGE_WIDTH_IN, in_percent, letter, styled
+from pipeline.report.figures.drawing import (
+    FAINT,
+    OBJECTIVE_LABELS,
+    PAGE_WIDTH_IN,
+    in_percent,
+    letter,
+    percent,
+    styled,
+)
 from pipeline.report.figures.species_rows import (
     CONVENTIONS,
     add_legend,
@@ -43,8 +51,8 @@ def describe(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> str:
     """Say in words what the figure shows."""
     gaps = compare(species, samples).dropna(subset=["v_gap"])
     parts = [
-        f"{OBJECTIVE_LABELS[str(objective)]}: {rows['v_gap'].min():.1%} to {rows['v_gap'].max():.1%}, none "
-        f"in {(rows['v_gap'] <= 0.0).sum()} of {len(rows)} cases"
+        f"{OBJECTIVE_LABELS[str(objective)]}: {percent(rows['v_gap'].min(), 1)} to "
+        f"{percent(rows['v_gap'].max(), 1)}; the two are one in {(rows['v_gap'] <= 0.0).sum()} of {len(rows)} cases"
         for objective, rows in gaps.groupby("objective")
     ]
     return "How much more the V optimum costs than the best of all. " + "; ".join(parts) + "."

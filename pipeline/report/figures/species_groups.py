@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pipeline.report.comparison import compare
-from pipeline.report.figures.drawing import FAINT, PAGE_WIDTH_IN, in_percent, letter, styled
+from pipeline.report.figures.drawing import FAINT, PAGE_WIDTH_IN, in_percent, letter, percent, styled
 from pipeline.report.figures.species_rows import order_of
 from pipeline.report.sources import common_name, objectives_of
 
@@ -28,9 +28,11 @@ CAPTION = (
     "makes amplitude a fixed part of the wavelength."
 )
 
-# In points: how far a number stands from its mark, and about how large a panel is.
-LABEL_DISTANCE_PT = 7.5
-PANEL_PT = (190.0, 210.0)
+# In points: how far a number may stand from its mark, the room that it needs, and about how large a panel is
+# between its outermost points.
+LABEL_DISTANCES_PT = (7.5, 11.0, 15.0)
+LABEL_ROOM_PT = 7.0
+PANEL_PT = (145.0, 200.0)
 
 
 def _chosen(species: pd.DataFrame, samples: pd.DataFrame | None) -> pd.DataFrame:
@@ -52,7 +54,7 @@ def describe(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> str:
     return (
         f"A chart of {found['species'].nunique()} species: weight number {found['weight_number'].min():.3f} "
         f"to {found['weight_number'].max():.3f}, {' and '.join(ranges)} semispans. The "
-        f"{common_name(most['species']).lower()} saves most, {most['saving_total']:.1%}, at weight number "
+        f"{common_name(most['species']).lower()} saves most, {percent(most['saving_total'], 1)}, at weight number "
         f"{most['weight_number']:.3f} and wavelength {most['wavelength_number']:.2f} semispans."
     )
 
@@ -74,7 +76,7 @@ def draw(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> Figure:
         The figure.
     """
     found, order = _chosen(species, samples), order_of(species)
-    figure = Figure(figsize=(PAGE_WIDTH_IN, 4.3), layout="constrained")
+    figure = Figure(figsize=(PAGE_WIDTH_IN, 4.8), layout="constrained")
     panels = figure.subplots(1, 2)
     norm = Normalize(0.0, found["saving_total"].max())
     for axes, second in zip(panels, ("weight_number", "amplitude_number"), strict=True):
@@ -100,8 +102,8 @@ def draw(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> Figure:
             )
             if own:
                 numbers = [order.index(species) + 1 for species in rows["species"]]
-                reach = found[["wavelength_number", second]].agg(["min", "max"]).to_numpy()
-                _number(axes, rows[["wavelength_number", second]].to_numpy(), numbers, reach)
+                every = found[["wavelength_number", second]].to_numpy()
+                _number(axes, rows[["wavelength_number", second]].to_numpy(), numbers, every)
         axes.set_xlabel("λ/b")
     panels[0].set_ylabel("$W/(ρ b^2 U^2)$")
     panels[1].set_ylabel("$h_L/b$")
@@ -121,8 +123,8 @@ def draw(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> Figure:
     return figure
 
 
-def _number(axes: Axes, points: np.ndarray, numbers: list[int], reach: np.ndarray) -> None:
-    """Write a number beside each point, on the side where it is farthest from the other points and numbers.
+def _number(axes: Axes, points: np.ndarray, numbers: list[int], every: np.ndarray) -> None:
+    """Write a number beside each point, as near as there is room, with a line to it if it stands apart.
 
     Parameters
     ----------
@@ -132,20 +134,23 @@ def _number(axes: Axes, points: np.ndarray, numbers: list[int], reach: np.ndarra
         The points.
     numbers : list of int
         Their numbers.
-    reach : (2, 2) ndarray of float
-        Least and largest coordinates of all that the panel shows.
+    every : (m, 2) ndarray of float
+        All points that the panel shows.
     """
     axes.margins(0.1)
-    angles = np.arange(0.0, 2.0 * np.pi, np.pi / 6.0)
-    around = LABEL_DISTANCE_PT * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    places = (points - reach[0]) / (reach[1] - reach[0]) * PANEL_PT
-    taken = list(places)
-    for point, place, number in zip(points, places, numbers, strict=True):
-        others = np.array([one for one in taken if one is not place])
-        spots = place + around
-        room = np.linalg.norm(spots[:, None] - others, axis=-1).min(axis=1)
-        offset = around[np.argmax(room)]
+    angles = np.arange(0.0, 2.0 * np.pi, np.pi / 8.0)
+    around = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    low, high = every.min(axis=0), every.max(axis=0)
+    taken = list((every - low) / (high - low) * PANEL_PT)
+    for point, place, number in zip(points, (points - low) / (high - low) * PANEL_PT, numbers, strict=True):
+        others = np.array([one for one in taken if not np.array_equal(one, place)])
+        for distance in LABEL_DISTANCES_PT:
+            room = np.linalg.norm(place + distance * around[:, None] - others, axis=-1).min(axis=1)
+            if room.max() >= LABEL_ROOM_PT:
+                break
+        offset = distance * around[np.argmax(room)]
         taken.append(place + offset)
+        is_apart = distance > LABEL_DISTANCES_PT[0]
         axes.annotate(
             str(number),
             point,
@@ -155,4 +160,7 @@ def _number(axes: Axes, points: np.ndarray, numbers: list[int], reach: np.ndarra
             va="center",
             fontsize=6,
             zorder=4,
+            arrowprops={"arrowstyle": "-", "linewidth": 0.4, "shrinkA": 1.0, "shrinkB": 2.5}
+            if is_apart
+            else None,
         )

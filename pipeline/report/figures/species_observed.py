@@ -23,7 +23,7 @@ CAPTION = (
     "Our V optimum beside each published number of the same species. Diamonds and bars: published, filled "
     "if measured on birds, hollow if computed by theory from measured positions; an open end of a range is "
     "an arrow. Marks: ours. Distances in semispans of the species; a published gap between wingtips is "
-    "drawn as the distance between bodies that it means. At the right: how ours lies beside it, least force "
+    "drawn as the distance between bodies that it means (wingtips). At the right: how ours lies beside it, least force "
     "and then least power: = the ranges meet, ≈ nearer than the radius of a vortex core, > larger, < "
     "smaller."
 )
@@ -36,6 +36,11 @@ PANELS = (
     ("Downstream", "x/b", ("distance_behind",)),
     ("Up", "z/b", ("vertical_distance",)),
 )
+KINDS = {
+    "induced_power_saving": ", induced",
+    "total_power_saving": ", total",
+    "wingtip_spacing": ", wingtips",
+}
 VERDICTS = {"agrees": "=", "near": "≈", "above": ">", "below": "<"}
 
 
@@ -140,8 +145,8 @@ def _draw_panel(axes: Axes, rows: pd.DataFrame) -> None:
             & (rows["basis"] == basis)
         ]
         year = next((word for word in study.split() if word.isdigit() and len(word) == 4), "")
-        kind = {"induced_power_saving": ", induced", "total_power_saving": ", total"}.get(quantity, "")
-        labels.append(f"{common_name(species)}{kind}\n{study.split()[0]} {year}")
+        kind = KINDS.get(quantity, "")
+        labels.append(f"{common_name(species)}\n{study.split()[0]} {year}{kind}")
         axes.axhline(line, color=FAINT, alpha=0.25, linewidth=0.5, zorder=0)
         _draw_published(axes, own.iloc[0], line)
         for number, (_, row) in enumerate(own.iterrows()):
@@ -167,8 +172,8 @@ def _draw_panel(axes: Axes, rows: pd.DataFrame) -> None:
             transform=axes.get_yaxis_transform(),
             va="center",
         )
-    axes.set_yticks(range(len(keys)), labels, fontsize=6)
-    axes.tick_params(axis="y", length=0)
+    axes.set_yticks(range(len(keys)), labels)
+    axes.tick_params(axis="y", length=0, labelsize=6)
     axes.set_ylim(-0.6, max(len(keys), 1) - 0.4)
 
 

@@ -6,8 +6,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pipeline.report.comparison import compare
-from pipeline.report.figures.drawing import FAINT, PAGE_WIDTH_IN, in_percent, letter, styled
+from pipeline.report.figures.drawing import FAINT, PAGE_WIDTH_IN, in_percent, letter, percent, styled
 from pipeline.report.figures.species_rows import add_legend, draw_rows, guide, name_rows, order_of, row_height
+from pipeline.report.sources import common_name
 
 NAME = "species-saving"
 TITLE = "Species: what is saved"
@@ -32,8 +33,8 @@ def describe(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> str:
     least, most = ordered.iloc[0], ordered.iloc[-1]
     larger = (found["saving_profile"] > found["saving_induced"]).sum()
     return (
-        f"Total savings run from {least['saving_total']:.1%} ({least['species']}, least "
-        f"{least['objective']}) to {most['saving_total']:.1%} ({most['species']}, least "
+        f"Total savings run from {percent(least['saving_total'], 1)} ({common_name(least['species']).lower()}, least "
+        f"{least['objective']}) to {percent(most['saving_total'], 1)} ({common_name(most['species']).lower()}, least "
         f"{most['objective']}). A larger part of profile than of induced power is saved in {larger} of "
         f"{len(found)} cases."
     )

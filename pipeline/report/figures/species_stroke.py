@@ -7,7 +7,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.report.comparison import compare
-from pipeline.report.figures.drawing import FAINT, OBJECTIVES, PAGE_WIDTH_IN, in_percent, letter, styled
+from pipeline.report.figures.drawing import (
+    FAINT,
+    OBJECTIVES,
+    PAGE_WIDTH_IN,
+    in_percent,
+    letter,
+    percent,
+    styled,
+)
 from pipeline.report.figures.species_rows import (
     CONVENTIONS,
     add_legend,
@@ -17,6 +25,7 @@ from pipeline.report.figures.species_rows import (
     order_of,
     row_height,
 )
+from pipeline.report.sources import common_name
 
 NAME = "species-stroke"
 TITLE = "Species: how the stroke changes"
@@ -34,11 +43,11 @@ def describe(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> str:
     """Say in words what the figure shows."""
     found = compare(species, samples).dropna(subset=["amplitude_reduction"])
     larger = found["amplitude_reduction"] > found["span_ratio_reduction"]
-    exceptions = ", ".join(sorted(found.loc[~larger, "species"].unique()))
+    exceptions = ", ".join(sorted(map(common_name, found.loc[~larger, "species"].unique())))
     return (
-        f"The amplitude falls by {found['amplitude_reduction'].min():.0%} to "
-        f"{found['amplitude_reduction'].max():.0%}, the upstroke span ratio by "
-        f"{found['span_ratio_reduction'].min():.0%} to {found['span_ratio_reduction'].max():.0%}. The "
+        f"The amplitude falls by {percent(found['amplitude_reduction'].min())} to "
+        f"{percent(found['amplitude_reduction'].max())}, the upstroke span ratio by "
+        f"{percent(found['span_ratio_reduction'].min())} to {percent(found['span_ratio_reduction'].max())}. The "
         f"amplitude changes more in {larger.sum()} of {len(found)} cases; "
         f"{f'not always in {exceptions}' if exceptions else 'there is no exception'}."
     )
