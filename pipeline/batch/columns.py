@@ -138,7 +138,8 @@ SOLUTION = (
     Column("cost_leader", "N, W or J/m", "leader's cost, in the same unit"),
     Column("residual_lift", "1", "lift in excess of weight, over weight", agreement=RESIDUAL),
     Column("residual_thrust", "1", "thrust in excess of drag, over drag", agreement=RESIDUAL),
-    Column("rank", "1", "place among the job's optima by cost, 0 the best", INTEGER, EXACT),
+    # How many dearer optima are met depends on the starts.
+    Column("rank", "1", "place among the job's optima by cost, 0 the best", INTEGER, MEASURED),
     Column("hits", "1", "starts of the search that ended here", INTEGER, MEASURED),
     Column("starts", "1", "starts of the search", INTEGER, MEASURED),
     Column("placement", "", "outboard if at least b aside, else inboard", TEXT, EXACT),
