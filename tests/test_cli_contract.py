@@ -73,7 +73,9 @@ class TestHelp:
         for path in paths:
             result = CliRunner().invoke(cli.main, [*path, "--help"], prog_name="upwash")
             assert result.exit_code == 0
-            assert f"upwash {' '.join(path)}" in result.output.partition("Example")[2], path
+            # On lines of its own, as it would be typed.
+            assert f"\n  Example:\n    upwash {' '.join(path)}" in result.output, path
+            assert "\\b" not in result.output
 
     def test_version_is_the_package_version(self):
         assert (

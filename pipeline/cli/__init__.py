@@ -113,7 +113,7 @@ class LazyGroup(click.Group):
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, message="%(prog)s %(version)s")
 def main() -> None:
-    r"""Optimal formation flight of flapping birds, from a minimal wake-vortex model.
+    """Optimal formation flight of flapping birds, from a minimal wake-vortex model.
 
     \b
     Example:

@@ -11,7 +11,7 @@ import click
 @click.argument("results", metavar="RESULTS")
 @click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
 def claims(results: str, json_output: bool) -> None:
-    r"""Judge each claim of the paper by our numbers.
+    """Judge each claim of the paper by our numbers.
 
     RESULTS is the gathered results folder of the sweep reproduce. Claims on flocks and on airspeed need the
     results of the sweeps paper-flocks and group-speed in folders of these names beside it; without them they

@@ -46,7 +46,7 @@ OPTIMA = {"v": "is_v_optimum", "global": "is_global_optimum"}
 )
 @as_json
 def field(plane: str, optimum: str, size: int, output: Path, json_output: bool, **chosen: Any) -> None:
-    r"""Map the force on a follower over a plane through its optimum: own force and the wake's together.
+    """Map the force on a follower over a plane through its optimum: own force and the wake's together.
 
     Writes the map as Parquet and as a figure (PDF and PNG), and prints their names. SPECIES is a name in the
     library or the path of a TOML file.
@@ -143,7 +143,7 @@ def _solved(kind: str, chosen: dict[str, Any]) -> pd.DataFrame:
     help="File to write: .gif, or .mp4 where ffmpeg is installed.",
 )
 def animate(birds: int, shape: str, output: Path, **chosen: Any) -> None:
-    r"""Animate a flock flapping in its wakes: one wingbeat that repeats, each bird in its own phase.
+    """Animate a flock flapping in its wakes: one wingbeat that repeats, each bird in its own phase.
 
     Every follower flies at the V optimum behind the bird ahead. Prints the name of the file. SPECIES is a
     name in the library or the path of a TOML file.
@@ -171,7 +171,7 @@ def animate(birds: int, shape: str, output: Path, **chosen: Any) -> None:
 @click.command()
 @click.argument("results", metavar="RESULTS...", nargs=-1, required=True)
 def page(results: tuple[str, ...]) -> None:
-    r"""Draw the figures of a gathered results folder and write the page that tells its story.
+    """Draw the figures of a gathered results folder and write the page that tells its story.
 
     The page is index.html in the first folder, one file that needs no network. What that folder does not
     hold, such as a flock or other species, is taken from the other folders. Prints the name of the page.

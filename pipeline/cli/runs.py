@@ -71,7 +71,7 @@ def run(
     fail_fast: bool,
     as_json: bool,
 ) -> None:
-    r"""Solve every job of a sweep that has no result yet.
+    """Solve every job of a sweep that has no result yet.
 
     SWEEP is a name in sweeps/ or the path of a TOML file. Interrupt it at will: what is finished is kept, and
     the same command goes on from there.
@@ -129,7 +129,7 @@ def run(
 @results
 @as_json
 def status(results: str, as_json: bool) -> None:
-    r"""Say how far a sweep has come.
+    """Say how far a sweep has come.
 
     Exit code 1 if some jobs failed.
 
@@ -163,7 +163,7 @@ def status(results: str, as_json: bool) -> None:
 @results
 @as_json
 def aggregate(results: str, as_json: bool) -> None:
-    r"""Gather the jobs' files into solutions.parquet (flock.parquet) and summary.parquet.
+    """Gather the jobs' files into solutions.parquet (flock.parquet) and summary.parquet.
 
     A sweep over species, over samples of their ranges or for sensitivity indices gets its tables as well, in
     RESULTS/tables.
@@ -190,7 +190,7 @@ def aggregate(results: str, as_json: bool) -> None:
 @results
 @as_json
 def check(results: str, as_json: bool) -> None:
-    r"""Check that a results folder holds what it must.
+    """Check that a results folder holds what it must.
 
     Schema, units, versions, one result a job, balances, bounds, ranks and labels; forces, powers and costs
     computed anew from each stored solution; the summary against its rows. Exit code 3 if anything does not
@@ -220,7 +220,7 @@ def check(results: str, as_json: bool) -> None:
 @click.argument("job")
 @as_json
 def show(results: str, job: str, as_json: bool) -> None:
-    r"""Show one job: its inputs, and each of its optima.
+    """Show one job: its inputs, and each of its optima.
 
     JOB is its id, or the beginning of it.
 
@@ -264,7 +264,7 @@ def _cell(value: Any) -> str:
 @click.argument("job")
 @as_json
 def rerun(results: str, job: str, as_json: bool) -> None:
-    r"""Solve one stored job again, from its own inputs alone, and compare.
+    """Solve one stored job again, from its own inputs alone, and compare.
 
     JOB is its id, or the beginning of it. Nothing is written. Exit code 3 if the results do not agree.
 
@@ -291,7 +291,7 @@ def rerun(results: str, job: str, as_json: bool) -> None:
 @click.argument("second", metavar="B")
 @as_json
 def diff(first: str, second: str, as_json: bool) -> None:
-    r"""Compare two results folders, job by job.
+    """Compare two results folders, job by job.
 
     Jobs are the same if their physical inputs are, whatever their ids. Each column has its own tolerance.
     Exit code 3 if the folders do not agree.

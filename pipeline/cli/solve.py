@@ -57,7 +57,7 @@ def problem(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("--all", "show_all", is_flag=True, help="Print every optimum, with the evidence for it.")
 @as_json
 def optimum(show_all: bool, json_output: bool, **chosen: Any) -> None:
-    r"""Find the best positions of one bird behind another, and prove how good they are.
+    """Find the best positions of one bird behind another, and prove how good they are.
 
     SPECIES is a name in the library or the path of a TOML file. That no follower can fly is a result like any
     other. JSON holds every optimum, by the columns of solutions.parquet.
@@ -113,7 +113,7 @@ def optimum(show_all: bool, json_output: bool, **chosen: Any) -> None:
 @click.option("--joint", is_flag=True, help="Improve all birds together, for the sum of their costs.")
 @as_json
 def flock(joint: bool, json_output: bool, **chosen: Any) -> None:
-    r"""Chain pairs into a flock: each bird flies where it flies best behind those ahead of it.
+    """Chain pairs into a flock: each bird flies where it flies best behind those ahead of it.
 
     SPECIES is a name in the library or the path of a TOML file. A bird for which there is no place ends the
     flock, and the last line says why. JSON holds every bird, by the columns of flock.parquet.

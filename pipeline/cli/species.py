@@ -29,7 +29,7 @@ as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON i
 
 @click.group()
 def species() -> None:
-    r"""List, show, check or start species files.
+    """List, show, check or start species files.
 
     \b
     Example:
@@ -40,7 +40,7 @@ def species() -> None:
 @species.command("list")
 @as_json
 def list_species(json_output: bool) -> None:
-    r"""List the library, and how each value is known.
+    """List the library, and how each value is known.
 
     \b
     Example:
@@ -73,7 +73,7 @@ def list_species(json_output: bool) -> None:
 @click.argument("name", metavar="SPECIES")
 @as_json
 def show(name: str, json_output: bool) -> None:
-    r"""Show a species: every value with its source, what follows from it, and what to beware of.
+    """Show a species: every value with its source, what follows from it, and what to beware of.
 
     SPECIES is a name in the library or the path of a TOML file.
 
@@ -123,7 +123,7 @@ def show(name: str, json_output: bool) -> None:
 @click.argument("files", metavar="[FILE]...", nargs=-1)
 @as_json
 def check(files: tuple[str, ...], json_output: bool) -> None:
-    r"""Check species files: units, ranges, rules, dimensionless groups; warn of what is not measured.
+    """Check species files: units, ranges, rules, dimensionless groups; warn of what is not measured.
 
     Without a FILE the whole library is checked. A FILE may also be a name in the library. The exit code is 2
     if a file is wrong; warnings leave it 0.
@@ -173,7 +173,7 @@ def check(files: tuple[str, ...], json_output: bool) -> None:
     help="Where to write the file.",
 )
 def new(name: str, folder: Path) -> None:
-    r"""Write a commented species file to fill in; an existing file is never touched.
+    """Write a commented species file to fill in; an existing file is never touched.
 
     \b
     Example:
