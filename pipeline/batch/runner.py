@@ -9,12 +9,12 @@ from __future__ import annotations
 import os
 import signal
 import time
-import warnings
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from typing import IO, TYPE_CHECKING, Any, TextIO
 
 from joblib import Parallel, delayed
@@ -27,7 +27,7 @@ from pipeline.batch.mend import verified_index
 from pipeline.batch.progress import Progress
 from pipeline.batch.selection import in_shard, is_to_run
 from pipeline.batch.store import sync, write_atomic
-from pipeline.batch.workers import LOKY, workers
+from pipeline.batch.workers import LOKY, stop, workers
 
 if TYPE_CHECKING:
     from pipeline.batch.job import Job
@@ -39,6 +39,9 @@ MAX_BATCH = 1000
 
 FLUSH_S = 0.05
 """Results that took longer are put on the disk at once; that takes milliseconds."""
+
+STOPPING = (signal.SIGINT, signal.SIGTERM)
+"""Requests to stop: of a person at a terminal, of the system."""
 
 KILLED = (
     "WorkerKilled: the worker was killed twice, the second time with no other job at work; out of memory?"
@@ -118,6 +121,7 @@ def run_sweep(
     """
     folder.create()
     with ExitStack() as stack:
+        stack.enter_context(_stopping_on_signals())
         stack.enter_context(folder.locked(options.shard))
         folder.write_plan(plan)
         index = _index(folder, options.shard, lambda line: print(line, file=stream))
@@ -131,13 +135,12 @@ def run_sweep(
             progress = Progress(len(to_do), stream)
             stack.callback(progress.close)
             run = _Run(folder, plan.text, journal, progress, tally, options)
-            with _stopping_on_signals():
-                try:
-                    run.all(to_do)
-                except _FirstFailure:
-                    pass
-                except KeyboardInterrupt as interrupt:
-                    raise Interrupted(tally) from interrupt
+            try:
+                run.all(to_do)
+            except _FirstFailure:
+                pass
+            except KeyboardInterrupt as interrupt:
+                raise Interrupted(tally) from interrupt
     return tally
 
 
@@ -185,6 +188,7 @@ class _Run:
         # Jobs that were in flight when a worker was killed.
         self.suspects: deque[Job] = deque()
         self.is_alone = False
+        self.is_stopping = False
         # Batches handed out and not come back, by the id of their first job, oldest first.
         self.flying: dict[str, list[Job]] = {}
         self.batch_size = 1
@@ -194,36 +198,22 @@ class _Run:
         self.queue.extend(jobs)
         with workers(self.options.backend, self.options.scheduler) as killed:
             while self.queue or self.suspects:
-                self.is_alone = bool(self.suspects)
+                self.is_alone, self.is_stopping = bool(self.suspects), False
                 try:
                     if self.is_alone:
                         self.alone(self.suspects.popleft())
                     else:
-                        self.stream()
+                        self.stream(self.batches())
                 except killed as death:
                     self.after_a_death(death)
-
-    def stream(self) -> None:
-        """Run what is waiting on one pool of workers, taking results as they come."""
-        outputs = self.start(self.batches())
-        try:
-            for results, left in outputs:
-                self.take(results, left)
-        except BaseException:
-            # Whatever is still running is of no use any more, which joblib need not warn of.
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                outputs.close()
-            raise
 
     def alone(self, job: Job) -> None:
         """Run one job with nothing beside it, so that a worker's death names its culprit."""
         self.flying[job.job_id] = [job]
-        for results, left in self.start([self.task([job])]):
-            self.take(results, left)
+        self.stream([self.task([job])])
 
-    def start(self, tasks: Iterable[Any]) -> Any:
-        """Start tasks on the workers; return the iterator of their results, as they finish."""
+    def stream(self, tasks: Iterable[Any]) -> None:
+        """Run tasks on one pool of workers, taking results as they finish."""
         # joblib would run one worker's jobs in this very process. Two of which one waits are as fast, and
         # leave us alive if it dies.
         pool = Parallel(
@@ -232,8 +222,17 @@ class _Run:
             batch_size=1,
             return_as="generator_unordered",
         )
-        with _interrupts_held():
-            return pool(tasks)
+        outputs = None
+        try:
+            with _signals_held():
+                outputs = pool(tasks)
+            for results, left in outputs:
+                self.take(results, left)
+        except BaseException:
+            self.is_stopping = True
+            if outputs is not None:
+                stop(pool, outputs)
+            raise
 
     def task(self, batch: list[Job]) -> Any:
         """Return what a worker is to do with a batch."""
@@ -242,7 +241,7 @@ class _Run:
 
     def batches(self) -> Iterator[Any]:
         """Hand out batches; called from joblib's threads, one at a time."""
-        while self.queue:
+        while self.queue and not self.is_stopping:
             # Towards the end batches get shorter, so that the workers finish together.
             fair = -(-len(self.queue) // (2 * self.options.workers))
             batch = [self.queue.popleft() for _ in range(min(self.batch_size, fair))]
@@ -300,23 +299,37 @@ class _Run:
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back while workers are started: they inherit that, so it reaches this process alone."""
-    held = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+def _signals_held() -> Iterator[None]:
+    """Hold requests to stop back while workers are started.
+
+    They inherit that: Ctrl-C, or a queue's signal to all processes, reaches this one alone, which stops them.
+    """
+    # multiprocessing lets the signals through when it starts this process of its own; so that comes first.
+    resource_tracker.ensure_running()
+    # Another thread of this process may still be handed a signal, which Python then handles in this one.
+    requests: list[int] = []
+    heard = {one: signal.getsignal(one) for one in STOPPING if signal.getsignal(one) != signal.SIG_IGN}
+    for one in heard:
+        signal.signal(one, lambda number, _: requests.append(number))
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, STOPPING)
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, held)
+        for one, handler in heard.items():
+            signal.signal(one, handler)
+        if requests:
+            raise KeyboardInterrupt
 
 
 @contextmanager
 def _stopping_on_signals() -> Iterator[None]:
     """Let a polite request of the system, such as a queue's at the time limit, stop us as Ctrl-C does."""
 
-    def stop(*_: Any) -> None:
+    def interrupt(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGTERM, stop)
+    before = signal.signal(signal.SIGTERM, interrupt)
     try:
         yield
     finally:

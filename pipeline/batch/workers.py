@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import time
+import warnings
 from collections.abc import Iterator
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any
 
-from joblib import parallel_config
+from joblib import Parallel, parallel_config
 
 from pipeline.errors import UpwashError
 
 LOKY, DASK = "loky", "dask"
 CONNECT_TIMEOUT_S = 10
+SETTLE_TIMEOUT_S = 1
 
 
 @contextmanager
@@ -62,6 +65,28 @@ def workers(backend: str, scheduler: str = "") -> Iterator[type[BaseException]]:
             raise UpwashError(f"--scheduler: expected workers at {scheduler}, found none; {remedy}")
         with parallel_config(backend=MendedDaskBackend(client=client)):
             yield KilledBatch
+
+
+def stop(pool: Parallel, outputs: Any) -> None:
+    """Stop whatever still runs, once no more tasks are given out; it is of no use any more.
+
+    Parameters
+    ----------
+    pool : Parallel
+        The pool.
+    outputs : generator
+        What calling it returned.
+    """
+    # joblib's thread trips, with a traceback, over a task that it has begun to hand over when it is shut down.
+    with pool._lock:
+        executor = getattr(pool._backend, "_workers", None)
+    deadline = time.monotonic() + SETTLE_TIMEOUT_S
+    while executor and executor._work_ids.qsize() and time.monotonic() < deadline:
+        time.sleep(0.001)
+    with warnings.catch_warnings():
+        # joblib need not warn of tasks that were not finished.
+        warnings.simplefilter("ignore")
+        outputs.close()
 
 
 def _has_workers(client: Any) -> bool:

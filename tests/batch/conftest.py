@@ -117,6 +117,14 @@ def wait_until(condition, timeout=60):
         time.sleep(0.01)
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _interrupts_reach_what_is_started():
+    """Shells start what they put in the background deaf to Ctrl-C, and so would be what the tests start."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.fixture(scope="session")
 def logs(tmp_path_factory):
     """Where the tests' solvers tell what they did; set before any worker starts, and the same for all."""

@@ -51,10 +51,14 @@ def half_done(bench):
         kill(process)
 
 
-@pytest.mark.parametrize("request_to_stop", [signal.SIGINT, signal.SIGTERM])
-def test_ctrl_c_and_the_systems_polite_request_stop_cleanly(bench, half_done, request_to_stop):
-    # Ctrl-C reaches every process of the terminal, a batch queue's signal the first one.
-    (os.killpg if request_to_stop == signal.SIGINT else os.kill)(half_done.pid, request_to_stop)
+@pytest.mark.parametrize(
+    ("send", "request_to_stop"),
+    # Ctrl-C reaches every process of the terminal; a batch queue's request the first one, or all.
+    [(os.killpg, signal.SIGINT), (os.kill, signal.SIGTERM), (os.killpg, signal.SIGTERM)],
+    ids=["Ctrl-C", "TERM", "TERM to all"],
+)
+def test_a_request_to_stop_is_met_cleanly(bench, half_done, send, request_to_stop):
+    send(half_done.pid, request_to_stop)
     out, said = half_done.communicate(timeout=30)
     assert (half_done.returncode, out) == (130, "")
     assert "Traceback" not in said and "Warning" not in said
@@ -64,6 +68,21 @@ def test_ctrl_c_and_the_systems_polite_request_stop_cleanly(bench, half_done, re
     wait_until(lambda: not group_lives(half_done))
     bench.mend()
     assert "3 done now, 3 before" in bench.run()[1]
+
+
+@pytest.mark.parametrize("sign", [".lock", "journal-1-of-1.csv"], ids=["begins", "starts its workers"])
+@pytest.mark.parametrize("request_to_stop", [signal.SIGINT, signal.SIGTERM])
+def test_a_request_to_stop_while_a_run_begins_is_met_cleanly(bench, sign, request_to_stop):
+    bench.sweep("slow", 4)
+    process = bench.start("run", "./sweep.toml")
+    wait_until(lambda: (bench.results / sign).exists())
+    os.killpg(process.pid, request_to_stop)
+    out, said = process.communicate(timeout=30)
+    assert (process.returncode, out) == (130, "")
+    *_, last = said.splitlines()
+    assert last.startswith("Interrupted") and "Traceback" not in said and "Warning" not in said
+    wait_until(lambda: not group_lives(process))
+    assert "4 done now, 0 before" in bench.run()[1]
 
 
 def test_workers_do_not_outlive_a_run_that_is_killed(half_done):
