@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from pipeline.aero.bird import Bird
@@ -45,6 +46,8 @@ class Sources:
         All optima of several species, one problem for each objective and amplitude convention.
     varied : DataFrame or None
         All optima of one bird of which one input at a time is varied (and perhaps others).
+    speeds : DataFrame or None
+        All optima of least power of one bird at several airspeeds.
     samples : DataFrame or None
         All optima of the same species, their inputs sampled from their ranges.
     observations : DataFrame
@@ -57,6 +60,7 @@ class Sources:
     flock: pd.DataFrame | None
     species: pd.DataFrame | None
     varied: pd.DataFrame | None
+    speeds: pd.DataFrame | None
     samples: pd.DataFrame | None
     observations: pd.DataFrame
     folders: dict[str, Path]
@@ -95,12 +99,15 @@ def read_study(path: Path) -> Study:
 
 
 def sort_studies(studies: Iterable[Study]) -> Sources:
-    """Find in some studies, the first before the others, the frames that figures take."""
-    frames: dict[str, pd.DataFrame | None] = {field.name: None for field in fields(Sources)[:5]}
+    """Find in some studies the frames that figures take.
+
+    The first study that has a frame gives it; of those that vary inputs, the first that varies the most.
+    """
+    frames: dict[str, pd.DataFrame | None] = {field.name: None for field in fields(Sources)[:6]}
     folders: dict[str, Path] = {}
     for study in studies:
         for name, rows in _frames_of(study).items():
-            if frames[name] is None and rows is not None:
+            if rows is not None and _is_better(name, rows, frames[name]):
                 frames[name], folders[name] = rows, study.path
     return Sources(**frames, observations=read_observations(), folders=folders)
 
@@ -120,7 +127,24 @@ def _frames_of(study: Study) -> dict[str, pd.DataFrame | None]:
         )
         return {"pair": pair, "species": study.rows if is_comparison else None, "samples": samples}
     # Of inputs that are sampled all at once no bird stands out that could be shown.
-    return {"pair": pair, "varied": solved} if varied_inputs(solved, pair) else {}
+    inputs = varied_inputs(solved, pair)
+    return {"pair": pair, "varied": solved, "speeds": _at_speeds(inputs)} if inputs else {}
+
+
+def _at_speeds(inputs: dict[str, pd.DataFrame]) -> pd.DataFrame | None:
+    """Return the optima of least power at several airspeeds, if airspeed is among the inputs that are varied."""
+    if "speed_m_s" not in inputs:
+        return None
+    rows = inputs["speed_m_s"]
+    rows = rows[rows["objective"] == "power"]
+    return rows if rows["speed_m_s"].nunique() >= LEAST_VALUES else None
+
+
+def _is_better(name: str, rows: pd.DataFrame, than: pd.DataFrame | None) -> bool:
+    """Whether a frame is to be taken in the place of the one that was found before it, if any."""
+    if than is None or name != "varied":
+        return than is None
+    return len(varied_inputs(rows, subject(rows))) > len(varied_inputs(than, subject(than)))
 
 
 def _say_nothing(_: str) -> None:
@@ -130,17 +154,31 @@ def _say_nothing(_: str) -> None:
 def subject(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of the one bird that the figures of a pair show.
 
-    The bird with the most objectives solved; among those the paper's northern bald ibis, and then the one
-    whose inputs are the commonest, as they are at the centre of a study that varies one at a time.
+    The bird with the most objectives solved; among those the paper's northern bald ibis, the one whose
+    inputs are its species' own, and then the one whose inputs are the commonest, as they are at the centre
+    of a study that varies one at a time.
     """
     problems = rows.drop_duplicates([*PROBLEM, "objective"])
     common = sum((problems[name] == problems[name].mode()[0]).astype(int) for name in NUMBERS)
     ranked = problems.assign(
         objectives=problems.groupby(list(PROBLEM), dropna=False)["objective"].transform("size"),
         is_reference=problems["species"] == REFERENCE,
+        own=_own_inputs(problems),
         common=common,
-    ).sort_values(["objectives", "is_reference", "common"], ascending=False, kind="stable")
+    ).sort_values(["objectives", "is_reference", "own", "common"], ascending=False, kind="stable")
     return rows[_same_problem(rows, ranked.iloc[0])]
+
+
+def _own_inputs(problems: pd.DataFrame) -> pd.Series:
+    """Return how many inputs of each problem are those of its species in the library."""
+    count = pd.Series(0, index=problems.index)
+    for species, of_it in problems.groupby("species"):
+        path = LIBRARY_FOLDER / f"{species}.toml"
+        if path.exists():
+            own = load_species(path).bird()
+            same = [np.isclose(of_it[name], getattr(own, name)) for name in NUMBERS if hasattr(own, name)]
+            count[of_it.index] = sum(one.astype(int) for one in same)
+    return count
 
 
 def _same_problem(rows: pd.DataFrame, one: pd.Series) -> pd.Series:

@@ -186,7 +186,7 @@ CHAPTERS = (
         "parameters",
         "What it depends on",
         "One input at a time, about the same bird.",
-        ("parameter-saving",),
+        ("speed-power", "parameter-saving"),
         _no_tables,
         "Run the study of inputs and name its folder too: upwash run ibis-parameters, "
         "upwash aggregate results/ibis-parameters, then upwash page results/reproduce results/ibis-parameters.",

@@ -10,6 +10,7 @@ from pipeline.aero.interaction import net_force, state_forces
 from pipeline.aero.wake import vortex_wake
 from pipeline.errors import UpwashError
 from pipeline.report import figures, sources
+from pipeline.report.airspeed import best_speed
 from pipeline.report.comparison import compare
 from pipeline.report.field import plane_through
 from pipeline.report.figures import (
@@ -27,6 +28,7 @@ from pipeline.report.figures import (
     species_observed,
     species_position,
     species_stroke,
+    speed_power,
 )
 from pipeline.report.figures.catalogue import FIGURES, arguments, save_all
 from pipeline.report.figures.drawing import tip_height
@@ -64,7 +66,18 @@ def varied():
 @pytest.fixture(scope="module")
 def everything(pair, flock, species, varied):
     """All frames that figures take."""
-    return sources.Sources(pair, flock, species, varied, None, read_observations(), {})
+    return sources.Sources(
+        pair,
+        flock,
+        species,
+        varied,
+        speeds=sources.varied_inputs(varied, sources.subject(varied))["speed_m_s"].query(
+            "objective == 'power'"
+        ),
+        samples=None,
+        observations=read_observations(),
+        folders={},
+    )
 
 
 def drawn(figure, gid):
@@ -444,6 +457,34 @@ class TestParameters:
         assert np.isnan(found[0, 1]) and not np.isnan(found[1:, 1]).any()
 
 
+class TestSpeeds:
+    @pytest.fixture
+    def speeds(self, everything):
+        return everything.speeds
+
+    def test_curves_are_the_stored_powers(self, speeds):
+        figure = speed_power.draw(speeds)
+        rows = speeds[speeds["is_v_optimum"].eq(True)].sort_values("speed_m_s")
+        assert list(rows["speed_m_s"]) == [14.0, 15.0, 16.0]
+        assert line(figure, "is_v_optimum power")[:, 1] == pytest.approx(rows["power_total_w"].to_numpy())
+        alone = line(figure, "alone energy")
+        assert alone[:, 0] == pytest.approx([14.0, 15.0, 16.0])
+        assert alone[:, 1] == pytest.approx((rows["leader_power_total_w"] / rows["speed_m_s"]).to_numpy())
+
+    def test_the_best_airspeed_of_a_parabola_is_its_vertex(self):
+        speed = np.array([6.0, 7.0, 8.5, 10.0])
+        assert best_speed(speed, (speed - 7.3) ** 2 + 2.0) == pytest.approx(7.3)
+
+    @pytest.mark.parametrize(("slope", "end", "words"), [(1.0, 6.0, "≤ 6.0 m/s"), (-1.0, 10.0, "≥ 10.0 m/s")])
+    def test_a_least_at_an_end_is_said_to_be_one(self, speeds, slope, end, words):
+        assert best_speed(np.array([6.0, 8.0, 10.0]), slope * np.array([1.0, 2.0, 3.0])) == end
+        of_ends = speeds.assign(
+            speed_m_s=speeds["speed_m_s"].map({14.0: 6.0, 15.0: 8.0, 16.0: 10.0}),
+            power_total_w=100.0 + slope * 20.0 * speeds["speed_m_s"],
+        )
+        assert f"V optimum {words}" in speed_power.describe(of_ends).partition(";")[0]
+
+
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
     """A results folder of each kind of study."""
@@ -469,8 +510,20 @@ class TestSources:
         assert found.folders == {
             "pair": folders["varied"],
             "varied": folders["varied"],
+            "speeds": folders["varied"],
             "flock": folders["flock"],
         }
+
+    def test_of_two_studies_of_inputs_the_one_that_varies_more_is_shown(self, folders, tmp_path):
+        rows = [row for speed in (13.0, 15.0, 17.0) for row in studies.pair_rows(speed_m_s=speed)]
+        speeds = studies.write_folder(tmp_path / "speeds", rows)
+        found = sources.sort_studies([sources.read_study(path) for path in (speeds, folders["varied"])])
+        assert found.folders == {"pair": speeds, "speeds": speeds, "varied": folders["varied"]}
+        assert set(found.speeds["speed_m_s"]) == {13.0, 15.0, 17.0}
+
+    def test_the_bird_about_which_one_input_varies_is_its_species_own(self):
+        rows = [row for speed in (13.0, 15.0, 17.0) for row in studies.pair_rows(speed_m_s=speed)]
+        assert set(sources.subject(studies.frame(rows))["speed_m_s"]) == {15.0}
 
     def test_inputs_sampled_at_once_single_out_no_bird(self):
         rows = [

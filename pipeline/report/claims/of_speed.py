@@ -4,27 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
+from pipeline.report.airspeed import best_speed
 from pipeline.report.claims.claim import Accepted, Cases, Claim
 from pipeline.report.claims.evidence import Evidence
 
 LOWER = Accepted(0.0, 0.99)
 """Ratios of airspeeds that are lower by more than the interpolation between the solved ones can err."""
-
-
-def _best_speed(speed: np.ndarray, cost: np.ndarray) -> float:
-    """Return the airspeed of least cost, by a parabola through the least value and its neighbours.
-
-    At an end of the range it is that end, beyond which nothing was solved.
-    """
-    least = int(np.argmin(cost))
-    if least in (0, cost.size - 1):
-        return float(speed[least])
-    near = slice(least - 1, least + 2)
-    # About the middle one, so that the fit is well conditioned.
-    curvature, slope, _ = np.polyfit(speed[near] - speed[least], cost[near], 2)
-    return float(speed[least] - slope / (2.0 * curvature))
 
 
 def _speeds(evidence: Evidence, per_metre: bool) -> dict[str, tuple[float, float]]:
@@ -36,7 +21,7 @@ def _speeds(evidence: Evidence, per_metre: bool) -> dict[str, tuple[float, float
         speed = rows["speed_m_s"].to_numpy(float)
         unit = speed if per_metre else 1.0
         own, alone = (
-            _best_speed(speed, rows[column].to_numpy(float) / unit)
+            best_speed(speed, rows[column].to_numpy(float) / unit)
             for column in ("power_total_w", "leader_power_total_w")
         )
         found[words] = own, alone

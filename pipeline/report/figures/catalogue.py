@@ -34,6 +34,7 @@ from pipeline.report.figures import (
     species_position,
     species_saving,
     species_stroke,
+    speed_power,
 )
 from pipeline.report.figures.drawing import METADATA, save
 from pipeline.report.sources import Sources, read_study, sort_studies
@@ -56,6 +57,7 @@ FIGURES: dict[str, ModuleType] = {
         species_gap,
         species_groups,
         species_observed,
+        speed_power,
         parameter_saving,
     )
 }
