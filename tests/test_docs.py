@@ -93,6 +93,17 @@ def test_code_in_the_documentation_does_what_it_shows(page, tmp_path, monkeypatc
             run_session(body)
 
 
+VALIDATED = re.findall(
+    r"^\|.*\| (?:`([^`]+)` )?[^|]*\| `(tests/[^`]+)` \|$", (DOCS / "validation.md").read_text(), re.M
+)
+
+
+@pytest.mark.parametrize(("tolerance", "file"), sorted(set(VALIDATED)))
+def test_a_tolerance_stands_in_the_test_that_the_page_on_validation_names(tolerance, file):
+    assert len(VALIDATED) > 30
+    assert re.search(rf"(?<![\w.]){re.escape(tolerance)}\b", (ROOT / file).read_text(encoding="utf-8"))
+
+
 def column_units():
     """Return the unit of each column that the nomenclature lists, as written there."""
     page = (DOCS / "nomenclature.md").read_text(encoding="utf-8")
