@@ -22,7 +22,9 @@ from pipeline.report.species_tables import NO_V, SAVING, with_interval
 from pipeline.report.table import Table
 
 PAGE = Path(__file__).parents[1] / "docs" / "comparison.md"
-PROBLEMS = [(objective, convention) for objective in OBJECTIVES for convention in ("stroke-angle", "strouhal")]
+PROBLEMS = [
+    (objective, convention) for objective in OBJECTIVES for convention in ("stroke-angle", "strouhal")
+]
 INPUTS = {
     "leader_upstroke_span_ratio": "upstroke span ratio R",
     "speed_m_s": "airspeed U",
@@ -81,15 +83,19 @@ def measurements(observed: pd.DataFrame) -> Table:
     for _, row in chosen.iterrows():
         what = f"{row['quantity'].replace('_', ' ')}, {row['unit']}".removesuffix(", 1")
         key = (common_name(row["species"]), row["study"], what, _published(row))
-        lines.setdefault(key, {})[row["objective"]] = f"{with_interval(row, 'ours', 1.0, '.3g')} {row['verdict']}"
+        lines.setdefault(key, {})[row["objective"]] = (
+            f"{with_interval(row, 'ours', 1.0, '.3g')} {row['verdict']}"
+        )
     heads = ("species", "study", "quantity", "measured")
     return Table("", pd.DataFrame([dict(zip(heads, key, strict=True)) | ours for key, ours in lines.items()]))
 
 
 def _published(row: pd.Series) -> str:
     ends = f"{row['observed_low']:.3g} to {row['observed_high']:.3g}"
-    return ends if pd.isna(row["observed"]) else f"{row['observed']:.3g}" + (
-        "" if pd.isna(row["observed_low"]) else f" ({ends})"
+    return (
+        ends
+        if pd.isna(row["observed"])
+        else f"{row['observed']:.3g}" + ("" if pd.isna(row["observed_low"]) else f" ({ends})")
     )
 
 
