@@ -20,17 +20,20 @@ import pandas as pd
 
 from pipeline.batch.folder import ResultsFolder
 from pipeline.batch.store import write_atomic
+from pipeline.report.claims.ledger import FILE, counts, ledger_shown
 from pipeline.report.figures.catalogue import FIGURES, FOLDER, arguments, draw_figures
 from pipeline.report.sources import Sources, Study, read_study, sort_studies
-from pipeline.report.story import CHAPTERS, short_answer
+from pipeline.report.story import CHAPTERS, Chapter, short_answer
 from pipeline.report.table import Table
 
 PAGE = "index.html"
-CLAIMS = "claims.parquet"
 TEMPLATES = files("pipeline.report") / "templates"
 
 MOST_ROWS = 400
 """A longer table is cut, and says so: the files hold the rest."""
+
+LONG = 40
+"""Cells of more characters are wrapped."""
 
 CODE = 'from pipeline.report.figures import draw; draw("{name}", "{folder}").savefig("{name}.pdf")'
 """The line that makes a figure."""
@@ -99,16 +102,17 @@ def render(folder: Path, studies: list[Study], sources: Sources) -> str:
     environment.filters["subscripts"] = subscripts
     texts = {name: (TEMPLATES / f"page.{name}").read_text(encoding="utf-8") for name in ("css", "js")}
     title, description = _title(studies[0])
+    command = " ".join(["upwash page", *(one.path.as_posix() for one in studies)])
     return environment.get_template("page.html.j2").render(
         title=title,
         description=description,
         answer=short_answer(sources),
-        chapters=[_chapter(one, folder, sources) for one in CHAPTERS],
+        chapters=[_chapter(one, folder, sources, command) for one in CHAPTERS],
         claims=_claims(studies),
         jobs=_jobs(studies[0]),
         downloads=_downloads(folder, studies),
         provenance=[_provenance(one, folder) for one in studies],
-        command=" ".join(["upwash page", *(one.path.as_posix() for one in studies)]),
+        command=command,
         style=texts["css"],
         script=texts["js"],
         policy=_policy(**texts),
@@ -118,7 +122,8 @@ def render(folder: Path, studies: list[Study], sources: Sources) -> str:
 def subscripts(text: str) -> markupsafe.Markup:
     """Return a text with indices set low, as in h_L and R_1; names of columns, such as x_m, stay as they are."""
     escaped = str(markupsafe.escape(text))
-    return markupsafe.Markup(re.sub(r"\b([A-Za-zΓβκ])_([A-Z]|\d+)(?![A-Za-z_])", r"\1<sub>\2</sub>", escaped))
+    low = r"\b([A-Za-zΓβκ])_([A-Z]|\d+|(?<=I_)[xz](?=/)|(?<=β_)[ud]{2})(?![A-Za-z_])"
+    return markupsafe.Markup(re.sub(low, r"\1<sub>\2</sub>", escaped))
 
 
 def _policy(css: str, js: str) -> str:
@@ -140,7 +145,7 @@ def _title(study: Study) -> tuple[str, str]:
     return (plan.sweep if plan else study.path.resolve().name), str(description)
 
 
-def _chapter(chapter: Any, folder: Path, sources: Sources) -> dict[str, Any]:
+def _chapter(chapter: Chapter, folder: Path, sources: Sources, command: str) -> dict[str, Any]:
     figures = []
     for name in chapter.figures:
         frames = arguments(FIGURES[name], sources)
@@ -157,6 +162,7 @@ def _chapter(chapter: Any, folder: Path, sources: Sources) -> dict[str, Any]:
         "figures": figures,
         "tables": tables,
         "missing": "" if figures else chapter.missing,
+        "remedy": "\n".join(chapter.remedy).format(page=command),
     }
 
 
@@ -188,11 +194,15 @@ def table_context(table: Table, name: str) -> dict[str, Any]:
         pd.api.types.is_numeric_dtype(frame[column]) and frame[column].dtype != bool for column in frame
     ]
     cells = table.cells()[:MOST_ROWS]
+    looks = [
+        "number" if is_number else "long" if max(map(len, column), default=0) > LONG else ""
+        for is_number, column in zip(numeric, zip(*cells, strict=True), strict=cells != [])
+    ]
     values = frame.itertuples(index=False, name=None)
     rows = [
         [
-            {"text": text, "sort": sort_key(value, text), "numeric": is_number}
-            for text, value, is_number in zip(line, row, numeric, strict=True)
+            {"text": true_minus(text), "sort": sort_key(value, text), "look": look}
+            for text, value, look in zip(line, row, looks, strict=True)
         ]
         for line, row in zip(cells, values, strict=True)
     ]
@@ -201,6 +211,11 @@ def table_context(table: Table, name: str) -> dict[str, Any]:
         notes.append(f"the first {MOST_ROWS} of {len(table.frame)} rows; the files hold all")
     head = [{"text": str(one), "numeric": is_number} for one, is_number in zip(frame, numeric, strict=True)]
     return {"name": name, "title": table.title, "head": head, "rows": rows, "notes": notes}
+
+
+def true_minus(text: str) -> str:
+    """Return a text with a true minus before its negative numbers."""
+    return re.sub(r"(?<![\w.])-(?=\d)", "−", text)
 
 
 def sort_key(value: Any, text: str) -> str:
@@ -212,13 +227,13 @@ def sort_key(value: Any, text: str) -> str:
 
 
 def _claims(studies: Iterable[Study]) -> dict[str, Any] | None:
-    """Return the ledger of the paper's claims, if a folder has it."""
+    """Return the ledger of the paper's claims and their counts, if a folder has it."""
     for study in studies:
-        path = study.path / CLAIMS
+        path = study.path / FILE
         if path.exists():
-            return table_context(
-                Table("Each claim of the paper, and our verdict", pd.read_parquet(path)), "claims"
-            )
+            ledger = pd.read_parquet(path)
+            table = Table("Each claim of the paper, and our verdict", ledger_shown(ledger))
+            return {"table": table_context(table, "claims"), "counts": counts(ledger)}
     return None
 
 

@@ -45,7 +45,9 @@ class Chapter:
     tables : callable
         Sources -> its tables.
     missing : str
-        What to do if none of its figures can be drawn.
+        What it takes, if none of its figures can be drawn.
+    remedy : tuple of str
+        Commands that give it; ``{page}`` stands for the one that made the page.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Chapter:
     figures: tuple[str, ...]
     tables: Callable[[Sources], list[Table]]
     missing: str
+    remedy: tuple[str, ...]
 
 
 def _no_tables(sources: Sources) -> list[Table]:
@@ -113,6 +116,15 @@ def _species_tables(sources: Sources) -> list[Table]:
     ]
 
 
+PAIR = ("upwash run reproduce", "upwash aggregate results/reproduce", "{page} results/reproduce")
+"""Commands that give the paper's pair."""
+
+
+def _of_sweep(name: str) -> tuple[str, ...]:
+    """Return the commands that add a sweep's results to a page."""
+    return (f"upwash run {name}", f"upwash aggregate results/{name}", f"{{page}} results/{name}")
+
+
 CHAPTERS = (
     Chapter(
         "optimum",
@@ -122,7 +134,8 @@ CHAPTERS = (
         "and overcome its drag, and the wake of the bird ahead can help with both. These are its best choices.",
         ("optimal-position",),
         _optima_tables,
-        "Solve a pair: upwash run reproduce, then upwash aggregate results/reproduce.",
+        "It takes a pair.",
+        PAIR,
     ),
     Chapter(
         "lone-bird",
@@ -132,7 +145,8 @@ CHAPTERS = (
         "set moving is what a follower meets.",
         ("lone-wake", "configurations"),
         _no_tables,
-        "It takes the bird of a pair: upwash run reproduce, then upwash aggregate results/reproduce.",
+        "It takes the bird of a pair.",
+        PAIR,
     ),
     Chapter(
         "why-there",
@@ -142,7 +156,8 @@ CHAPTERS = (
         "missing to fly with a smaller stroke is made up in both at once, with the inner wingtip at a vortex's edge.",
         ("force-maps", "spacing-rule"),
         _no_tables,
-        "It takes the optimum of a pair: upwash run reproduce, then upwash aggregate results/reproduce.",
+        "It takes the optimum of a pair.",
+        PAIR,
     ),
     Chapter(
         "all-optima",
@@ -152,7 +167,8 @@ CHAPTERS = (
         "bound, says that nothing better was missed.",
         ("optima-map",),
         _basin_tables,
-        "It takes all optima of a pair: upwash run reproduce, then upwash aggregate results/reproduce.",
+        "It takes all optima of a pair.",
+        PAIR,
     ),
     Chapter(
         "flock",
@@ -160,8 +176,8 @@ CHAPTERS = (
         "A flock is a chain of pairs: each bird flies in the wake of the one ahead, at its own optimum there.",
         ("flock-formation", "flock-view", "flock-saving"),
         _flock_tables,
-        "Run a flock and name its folder too: upwash run flock, upwash aggregate results/flock, then "
-        "upwash page results/reproduce results/flock.",
+        "It takes a study of flocks; run it, and name its folder too.",
+        _of_sweep("paper-flocks"),
     ),
     Chapter(
         "species",
@@ -178,9 +194,8 @@ CHAPTERS = (
             "species-observed",
         ),
         _species_tables,
-        "Run the comparison and name its folder too: upwash run cross-species, upwash aggregate "
-        "results/cross-species, "
-        "then upwash page results/reproduce results/cross-species.",
+        "It takes a study of several species; run it, and name its folder too.",
+        _of_sweep("cross-species"),
     ),
     Chapter(
         "parameters",
@@ -188,8 +203,8 @@ CHAPTERS = (
         "One input at a time, about the same bird.",
         ("speed-power", "parameter-saving"),
         _no_tables,
-        "Run the study of inputs and name its folder too: upwash run ibis-parameters, "
-        "upwash aggregate results/ibis-parameters, then upwash page results/reproduce results/ibis-parameters.",
+        "It takes a study that varies inputs; run it, and name its folder too.",
+        _of_sweep("ibis-parameters"),
     ),
 )
 """The chapters in order."""
@@ -207,9 +222,10 @@ def short_answer(sources: Sources) -> list[str]:
         level = "below" if row["z_m"] < 0.0 else "above"
         sentence = (
             f"For {OBJECTIVE_LABELS[objective]} a {name} should fly {row['x_m']:.2f} m behind, "
-            f"{abs(row['y_m']):.2f} m aside and {abs(row['z_m']):.2f} m {level} the bird ahead, at phase "
-            f"{row['phase']:.2f}. It then flaps {percent(1.0 - row['amplitude_m'] / row['leader_amplitude_m'])} "
-            f"less far and saves {percent(row['saving_total'], 1)} of its power."
+            f"{abs(row['y_m']):.2f} m aside and {abs(row['z_m']):.2f} m {level} the bird ahead, lagging it by "
+            f"{row['phase']:.2f} wingbeats. It then flaps "
+            f"{percent(1.0 - row['amplitude_m'] / row['leader_amplitude_m'])} less far "
+            f"and saves {percent(row['saving_total'], 1)} of its power."
         )
         found = best_optima(pair[pair["objective"] == objective])
         if V not in found:

@@ -4,10 +4,12 @@ import os
 import re
 
 import pytest
+from renew_claims import kept
 
 from pipeline.errors import UpwashError
 from pipeline.report import figures
-from pipeline.report.page import sort_key, subscripts, table_context, write_page
+from pipeline.report.claims.ledger import write_claims
+from pipeline.report.page import sort_key, subscripts, table_context, true_minus, write_page
 from pipeline.report.story import CHAPTERS
 from pipeline.report.table import Table
 from report import studies
@@ -21,10 +23,11 @@ species = "northern-bald-ibis"
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    """A page about a pair and a flock, and its folder; other species were not run."""
+    """A page about a pair, a flock and the kept verdicts on the paper's claims; other species were not run."""
     root = tmp_path_factory.mktemp("results")
     pair = studies.write_folder(root / "pair", studies.pair_rows(), text=SWEEP)
     flock = studies.write_folder(root / "flock", studies.flock_rows(), "flock")
+    write_claims(kept(), pair)
     return write_page(pair, flock)
 
 
@@ -74,7 +77,7 @@ class TestLoading:
             name
             for chapter in CHAPTERS
             for name in chapter.figures
-            if not name.startswith(("species", "parameter"))
+            if not name.startswith(("species", "speed", "parameter"))
         ]
         assert len(widths) == len(shown) == 9
         assert all(width > 300 for width in widths)
@@ -220,9 +223,14 @@ class TestContent:
     def test_table_1_stands_beside_ours(self, page):
         assert "1.83" in column(page, "optimum-1", 3)
 
-    def test_what_is_missing_is_named_with_the_way_to_get_it(self, page):
-        assert "upwash run cross-species" in page.run('document.getElementById("species").textContent')
-        assert "upwash claims" in page.run('document.getElementById("claims-of-the-paper").textContent')
+    def test_what_is_missing_is_named_with_the_way_to_get_it(self, page, written):
+        told = page.run('document.querySelector("#species .missing + pre").textContent')
+        pair, flock = (written.parents[1] / name for name in ("pair", "flock"))
+        assert told.splitlines() == [
+            "upwash run cross-species",
+            "upwash aggregate results/cross-species",
+            f"upwash page {pair} {flock} results/cross-species",
+        ]
         assert page.run('document.querySelector("#flock .missing")') is None
 
     def test_downloads_exist(self, page, written):
@@ -230,7 +238,7 @@ class TestContent:
             'Array.from(document.querySelectorAll("a[download]"), (link) => link.getAttribute("href"))'
         )
         assert "solutions.parquet" in links and "../flock/flock.parquet" in links
-        assert len(links) == 9 * 3 + 4
+        assert len(links) == 9 * 3 + 5
         assert all((written.parent / link).stat().st_size > 1000 for link in links)
 
     def test_the_line_shown_makes_the_figure(self, page, tmp_path, monkeypatch):
@@ -253,9 +261,28 @@ class TestContent:
 
     def test_indices_are_set_low(self):
         assert (
-            subscripts("h_L/b & R_1, x_m, I_z, job_id")
-            == "h<sub>L</sub>/b &amp; R<sub>1</sub>, x_m, I_z, job_id"
+            subscripts("h_L/b & R_1, I_z/T, β_ud, x_m, I_z, job_id")
+            == "h<sub>L</sub>/b &amp; R<sub>1</sub>, I<sub>z</sub>/T, β<sub>ud</sub>, x_m, I_z, job_id"
         )
+
+    def test_every_claim_is_there_with_its_verdict_and_why(self, page):
+        ledger = kept()
+        assert column(page, "claims", 1) == list(ledger["verdict"])
+        assert column(page, "claims", 6)[5] == str(ledger["why"][5])
+        fails = (ledger["verdict"] == "fails").sum()
+        assert f"{fails} fail" in page.run('document.querySelector("#claims-of-the-paper p").textContent')
+
+    def test_negative_numbers_have_a_true_minus(self, page):
+        assert any(text.startswith("−") for text in column(page, "optimum-1", 5))
+        assert true_minus("-0.5 to 1e-09, -2 [-3, -1], ibis-force, 2014-15") == (
+            "−0.5 to 1e-09, −2 [−3, −1], ibis-force, 2014-15"
+        )
+
+    def test_a_long_table_is_folded_away_and_a_short_one_is_not(self, page):
+        folded = "Array.from(document.querySelectorAll('table'), (one) => [one.tBodies[0].rows.length,"
+        folded += " !one.checkVisibility()])"
+        for rows, is_folded in page.run(folded):
+            assert is_folded or rows <= 12 or rows == len(kept())
 
     def test_a_long_table_is_cut_and_says_so(self, pair_frame):
         long = table_context(Table("t", pair_frame), "t")
@@ -293,3 +320,4 @@ class TestWriting:
         text = write_page(studies.write_folder(tmp_path / "sampled", rows)).read_text()
         assert "single out no bird" in text and "Not in these results" in text
         assert text.count("<tr>") == 1 + 6
+        assert "upwash claims results/reproduce" in text

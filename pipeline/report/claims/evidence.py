@@ -213,6 +213,12 @@ def _position(row: Row) -> tuple[float, float, float]:
     return row["x_m"], row["y_m"], row["z_m"]
 
 
+def beside(results: Path) -> list[Path]:
+    """Return where the results of flocks and of airspeeds are, or would be, for those of the pair."""
+    parent = results.parent if results.name not in ("", "..") else results.resolve().parent
+    return [parent / name for name in (FLOCKS, SPEEDS)]
+
+
 def read_evidence(results: str | Path) -> Evidence:
     """Read the evidence from a results folder and, where they are, those of flocks and airspeeds beside it.
 
@@ -222,9 +228,8 @@ def read_evidence(results: str | Path) -> Evidence:
         If there is no such gathered folder, or it does not hold the paper's pair.
     """
     folder = Path(results)
-    beside = [folder.resolve().parent / name for name in (FLOCKS, SPEEDS)]
-    studies = [read_study(folder)]
-    studies += [read_study(path) for path in beside if path.is_dir() and path != folder.resolve()]
+    others = [path for path in beside(folder) if path.is_dir() and path.resolve() != folder.resolve()]
+    studies = [read_study(path) for path in (folder, *others)]
     try:
         return gather_evidence([one.rows for one in studies])
     except UpwashError as error:

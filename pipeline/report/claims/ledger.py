@@ -78,6 +78,9 @@ NUMBER, LIMIT = ".4g", ".5g"
 NOISE = 1e-9
 """Numbers smaller than this are an imbalance of the search, and written as zero."""
 
+ROUNDED_TO_ZERO = 1e-6
+"""Accepted values this near to zero on both sides are written as zero."""
+
 COUNTED = {HOLDS: "hold", HOLDS_WITH_CONDITION: "hold with a condition", FAILS: "fail", NOT_RUN: "not run"}
 
 
@@ -144,10 +147,14 @@ def ledger_records(ledger: pd.DataFrame) -> list[dict[str, Any]]:
     return [dict(zip(ledger.columns, row, strict=True)) for row in values.itertuples(index=False, name=None)]
 
 
+def tally(ledger: pd.DataFrame) -> dict[str, int]:
+    """Return how many claims have each verdict."""
+    return {verdict: int((ledger["verdict"] == verdict).sum()) for verdict in VERDICTS}
+
+
 def counts(ledger: pd.DataFrame) -> str:
     """Say how many claims hold and how many do not."""
-    found = ledger["verdict"].value_counts()
-    parts = [f"{found[verdict]} {words}" for verdict, words in COUNTED.items() if verdict in found]
+    parts = [f"{number} {COUNTED[verdict]}" for verdict, number in tally(ledger).items() if number]
     return f"{len(ledger)} claims: {', '.join(parts)}"
 
 
@@ -195,6 +202,24 @@ def ledger_markdown(ledger: pd.DataFrame) -> str:
     return "\n\n".join(parts)
 
 
+def ledger_shown(ledger: pd.DataFrame) -> pd.DataFrame:
+    """Return the ledger as people read it on one page: verdict, claim, values, and why."""
+    values = [
+        f"{cases} {unit}".strip() if cases else ""
+        for cases, unit in zip(ledger["cases"], ledger["unit"], strict=True)
+    ]
+    return pd.DataFrame(
+        {
+            "verdict": ledger["verdict"],
+            "claim": [f"{row.claim} ({row.place})" for row in ledger.itertuples()],
+            "printed": ledger["printed"],
+            "ours": values,
+            "accepted": _accepted(ledger),
+            "why": ledger["why"],
+        }
+    )
+
+
 def _marked(cases: str, exceptions: str) -> str:
     """Return the cases with those that are not as claimed in bold."""
     bold = exceptions.split("; ")
@@ -210,6 +235,8 @@ def _accepted(ledger: pd.DataFrame) -> list[str]:
             found.append(f"at most {high:{LIMIT}}")
         elif pd.isna(high):
             found.append(f"at least {low:{LIMIT}}")
+        elif max(-low, high) <= ROUNDED_TO_ZERO:
+            found.append("0")
         else:
             found.append(f"{low:{LIMIT}} to {high:{LIMIT}}")
     return found
