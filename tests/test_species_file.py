@@ -200,6 +200,15 @@ MALFORMED = {
         "found 122",
         "units of mass",
     ),
+    "grams taken for kilograms where a rule makes up for it by speed": (
+        lambda: with_table(
+            re.sub(r"(?m)^(value|low|high) = (1\.3|1\.17|1\.43)$", r"\1 = 1300.0", IBIS),
+            "speed",
+            '[speed]\nrule = "alerstam-2007"\n\n',
+        ),
+        "W/(rho b^2 U^2)",
+        "units of mass",
+    ),
     "centimetres taken for metres": (
         lambda: re.sub(r"(?m)^(value|low|high) = (1\.2|1\.14|1\.26)$", r"\1 = 120.0", IBIS),
         "W/(rho b^2 U^2)",

@@ -39,7 +39,8 @@ GROUPS = {
     "weight_number": Group(
         symbol="W/(rho b^2 U^2)",
         usual=(0.03, 0.4),
-        possible=(0.003, 2.0),
+        # A lift coefficient of 2 over an aspect ratio of 4 makes 1.
+        possible=(0.003, 1.0),
         reason="twice lift coefficient over aspect ratio: usual for 0.2 to 1.2 over 13 to 6",
         look_at="mass, wingspan and speed",
     ),
