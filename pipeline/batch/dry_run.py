@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from pipeline.batch import columns as of
-from pipeline.batch.folder import SUMMARY, ResultsFolder, Shard
+from pipeline.batch.folder import SUMMARY, ResultsFolder, Shard, entry_of
 from pipeline.batch.index import Index, Known, gathered_files, read_index, read_singles
 from pipeline.batch.progress import duration
 from pipeline.batch.selection import in_shard, is_to_run
@@ -147,7 +148,8 @@ def _labels(jobs: Sequence[Job]) -> Any:
 
 def _experience(folder: ResultsFolder) -> float | None:
     """Return the mean time of the jobs done in this folder, if there are any."""
-    seconds = [one.seconds for done in folder.read_journals().entries.values() for one in done]
+    lines = itertools.chain.from_iterable(folder.read_journals().lines.values())
+    seconds = [entry.seconds for entry in map(entry_of, lines) if entry]
     summary = folder.path / SUMMARY
     if not seconds and summary.exists() and folder.kind() == "pair":
         import pyarrow.parquet as pq

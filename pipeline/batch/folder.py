@@ -23,10 +23,10 @@ import shutil
 import time
 import zlib
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
+from typing import IO, NamedTuple
 
 from pipeline.errors import UpwashError
 
@@ -35,11 +35,15 @@ JOB_ID = re.compile(r"[0-9a-f]{16}")
 LOCK_PATIENCE_S = 1.0
 
 RUN = "run"
+RECENT = 200
+"""Last lines of each journal from which the rate is told."""
+
 PLAN, RETIRED, SUMMARY = "plan.json", "retired.parquet", "summary.parquet"
+GATHERED = {"pair": "solutions.parquet", "flock": "flock.parquet"}
+"""Kind of sweep -> the file that gathers its rows."""
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """One line of a journal: how a job ended, and what its file must look like."""
 
     status: str
@@ -52,17 +56,20 @@ class Entry:
 
 @dataclass(frozen=True)
 class Journals:
-    """What the journals say.
+    """What the journals say, as text: of very many lines few are of interest, and `entry_of` reads those.
 
     Parameters
     ----------
-    entries : dict of str to list of Entry
+    lines : dict of str to list of str
         Every time a job was done, in order; the last one counts.
+    recent : list of str
+        The last lines of each journal.
     begun : list of float
         When each run began, in seconds since 1970.
     """
 
-    entries: dict[str, list[Entry]]
+    lines: dict[str, list[str]]
+    recent: list[str]
     begun: list[float]
 
 
@@ -134,7 +141,7 @@ class ResultsFolder:
         if not is_folder:
             remedy = "'upwash run SWEEP' makes one"
             raise UpwashError(f"{str(self.path)!r}: expected a results folder, found {found}; {remedy}")
-        names = (PLAN, SUMMARY, "solutions.parquet", "flock.parquet")
+        names = (PLAN, SUMMARY, *GATHERED.values())
         if not any((self.path / name).exists() for name in names):
             remedy = "'upwash run SWEEP' makes one"
             raise UpwashError(f"{self.path}: expected a results folder, found no results in it; {remedy}")
@@ -222,7 +229,7 @@ class ResultsFolder:
         plan = self.plan()
         if plan:
             return plan.kind
-        return "flock" if (self.path / "flock.parquet").exists() else "pair"
+        return "flock" if (self.path / GATHERED["flock"]).exists() else "pair"
 
     # The jobs' files
 
@@ -237,14 +244,15 @@ class ResultsFolder:
         ids = (name.removesuffix(".parquet") for name in names if name.endswith(".parquet"))
         return {job_id for job_id in ids if JOB_ID.fullmatch(job_id)}
 
-    def entry_of_file(self, job_id: str, written: Iterable[Entry]) -> Entry | None:
-        """Return which of a job's journal entries its file is, bit for bit; None if it is damaged."""
+    def entry_of_file(self, job_id: str, lines: Iterable[str]) -> Entry | None:
+        """Return which of a job's journal lines its file is, bit for bit; None if it is damaged."""
         try:
             data = self.job_file(job_id).read_bytes()
         except OSError:
             return None
-        checksum = zlib.crc32(data)
-        return next((one for one in written if (one.size, one.checksum) == (len(data), checksum)), None)
+        found = len(data), zlib.crc32(data)
+        entries = (entry for line in lines if (entry := entry_of(line)))
+        return next((one for one in entries if (one.size, one.checksum) == found), None)
 
     def set_aside(self, path: Path) -> Path:
         """Move a damaged file out of the way, beside any that were moved before."""
@@ -280,21 +288,19 @@ class ResultsFolder:
 
     def read_journals(self) -> Journals:
         """Return what the journals say; torn lines are passed over."""
-        entries: dict[str, list[Entry]] = {}
-        begun = []
+        lines: dict[str, list[str]] = {}
+        recent, begun = [], []
         for path in self.journals():
-            for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-                parts = line.split(",")
-                try:
-                    if len(parts) == 7:
-                        job_id, status, seconds, size, checksum, when, cause = parts
-                        entry = Entry(status, float(seconds), int(size), int(checksum), float(when), cause)
-                        entries.setdefault(job_id, []).append(entry)
-                    elif parts[0] == RUN:
-                        begun.append(float(parts[1]))
-                except (ValueError, IndexError):
-                    continue
-        return Journals(entries, begun)
+            all_lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+            for line in all_lines:
+                name, _, rest = line.partition(",")
+                if name == RUN:
+                    with suppress(ValueError):
+                        begun.append(float(rest.partition(",")[0]))
+                elif rest.count(",") == len(Entry._fields) - 1:
+                    lines.setdefault(name, []).append(rest)
+            recent += [line.partition(",")[2] for line in all_lines[-RECENT:]]
+        return Journals(lines, recent, begun)
 
 
 def journal_line(job_id: str, entry: Entry) -> str:
@@ -302,3 +308,12 @@ def journal_line(job_id: str, entry: Entry) -> str:
     cause = re.sub(r"[,\s]+", " ", entry.cause)
     numbers = f"{entry.seconds:.6f},{entry.size},{entry.checksum},{entry.time:.3f}"
     return f"{job_id},{entry.status},{numbers},{cause}\n"
+
+
+def entry_of(line: str) -> Entry | None:
+    """Return what a journal's line says, behind the job's id; None if it is torn."""
+    try:
+        status, seconds, size, checksum, when, cause = line.split(",")
+        return Entry(status, float(seconds), int(size), int(checksum), float(when), cause)
+    except ValueError:
+        return None

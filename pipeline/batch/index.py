@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pipeline.batch import columns as of
-from pipeline.batch.folder import RETIRED, ResultsFolder
+from pipeline.batch.folder import GATHERED, RETIRED, Journals, ResultsFolder
 
 if TYPE_CHECKING:
     import pyarrow as pa
 
 
-@dataclass(frozen=True)
-class Known:
+class Known(NamedTuple):
     """How a job ended, and what kind of thing went wrong, or ""."""
 
     status: str
@@ -42,15 +41,17 @@ class Index:
         return self.gathered | self.single
 
 
-def read_index(folder: ResultsFolder) -> Index:
+def read_index(folder: ResultsFolder, journals: Journals | None = None) -> Index:
     """Return what a results folder holds, trusting the journals; files found damaged are passed over."""
-    index = Index(single=read_singles(folder))
+    index = Index(single=read_singles(folder, journals=journals))
     for path in gathered_files(folder):
         index.gathered |= known_in(path, folder.kind())
     return index
 
 
-def read_singles(folder: ResultsFolder, verify: bool = False) -> dict[str, Known]:
+def read_singles(
+    folder: ResultsFolder, verify: bool = False, journals: Journals | None = None
+) -> dict[str, Known]:
     """Return what is known of the jobs that have a file of their own.
 
     Parameters
@@ -60,15 +61,21 @@ def read_singles(folder: ResultsFolder, verify: bool = False) -> dict[str, Known
     verify : bool
         Whether to compare each file with the checksum in the journal. Those that no journal tells of, since
         they came from elsewhere, are read in any case. What is damaged is left out.
+    journals : Journals, optional
+        What the journals say, if they have been read already.
     """
-    written = folder.read_journals().entries
+    written = (journals or folder.read_journals()).lines
     singles = {}
     for job_id in folder.job_ids():
-        if job_id not in written:
+        lines = written.get(job_id)
+        if not lines:
             known = read_known(folder, job_id)
-        else:
-            entry = folder.entry_of_file(job_id, written[job_id]) if verify else written[job_id][-1]
+        elif verify:
+            entry = folder.entry_of_file(job_id, lines)
             known = Known(entry.status, entry.cause) if entry else None
+        else:
+            status, *_, cause = lines[-1].split(",")
+            known = Known(status, cause)
         if known:
             singles[job_id] = known
     return singles
@@ -76,8 +83,6 @@ def read_singles(folder: ResultsFolder, verify: bool = False) -> dict[str, Known
 
 def gathered_files(folder: ResultsFolder) -> list[Path]:
     """Return the tables of gathered rows; where two hold a job, the later one counts."""
-    from pipeline.batch.store import GATHERED
-
     paths = [folder.path / RETIRED, folder.path / GATHERED[folder.kind()]]
     return [path for path in paths if path.exists()]
 

@@ -7,11 +7,8 @@ from collections import Counter
 from dataclasses import dataclass
 
 from pipeline.batch import columns as of
-from pipeline.batch.folder import Journals, ResultsFolder
+from pipeline.batch.folder import RECENT, Journals, ResultsFolder, entry_of
 from pipeline.batch.index import read_index
-
-RATE_OVER = 200
-"""The rate is that of the last so many jobs of the runs under way."""
 
 
 @dataclass(frozen=True)
@@ -57,14 +54,15 @@ def status_of(folder: ResultsFolder) -> Status:
         If the folder holds no results.
     """
     folder.require()
-    known = read_index(folder).jobs
+    journals = folder.read_journals()
+    known = read_index(folder, journals).jobs
     plan = folder.plan()
     ids = plan.jobs if plan else list(known)
     ended = [known[job_id] for job_id in ids if job_id in known]
     counts = Counter(one.status for one in ended)
     left = len(ids) - len(ended)
     is_running = folder.in_use()
-    rate = _rate(folder.read_journals()) if is_running else None
+    rate = _rate(journals) if is_running else None
     return Status(
         results=str(folder),
         sweep=plan.sweep if plan else "",
@@ -84,9 +82,9 @@ def status_of(folder: ResultsFolder) -> Status:
 def _rate(journals: Journals) -> float | None:
     """Return the jobs a second of the present run."""
     begun = max(journals.begun, default=0.0)
-    times = sorted(entry.time for done in journals.entries.values() for entry in done if entry.time >= begun)
-    recent = times[-RATE_OVER:]
-    if not recent:
+    entries = filter(None, map(entry_of, journals.recent))
+    times = sorted(entry.time for entry in entries if entry.time >= begun)[-RECENT:]
+    if not times:
         return None
-    since = begun if len(recent) == len(times) else recent[0]
-    return len(recent) / max(time.time() - since, 1e-3)
+    since = begun if len(times) < RECENT else times[0]
+    return len(times) / max(time.time() - since, 1e-3)

@@ -19,6 +19,7 @@ import pyarrow.parquet as pq
 
 from pipeline import __version__
 from pipeline.batch import columns as of
+from pipeline.batch.folder import GATHERED as GATHERED
 from pipeline.errors import UpwashError
 
 PACKAGES = ("joblib", "numba", "numpy", "pyarrow", "scipy")
@@ -50,9 +51,8 @@ SUMMARY = schema_of(of.SUMMARY_COLUMNS)
 FLOCK = schema_of(of.FLOCK_COLUMNS)
 FLOCK_SUMMARY = schema_of(of.FLOCK_SUMMARY_COLUMNS)
 
-# Kind of sweep -> schema of its rows, name of the file that gathers them, schema of its summary.
+# Kind of sweep -> schema of its rows, schema of its summary.
 ROWS = {"pair": SOLUTIONS, "flock": FLOCK}
-GATHERED = {"pair": "solutions.parquet", "flock": "flock.parquet"}
 SUMMARIES = {"pair": SUMMARY, "flock": FLOCK_SUMMARY}
 
 
