@@ -1,4 +1,4 @@
-"""Run the contests and the study of seeds, print what they show, and keep it as Parquet."""
+"""Run the contests and the studies, print what they show, and keep it as Parquet."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numba
 
-from benchmarks import machine, seeds
+from benchmarks import batch_scale, machine, seeds
 from benchmarks.contest import measure
 from benchmarks.record import store, table
 
 CONTESTS = ("field", "wake_force", "local_solve", "job")
-NAMES = (*CONTESTS, "seeds")
+NAMES = (*CONTESTS, "batch_scale", "seeds")
 RESULTS = Path(__file__).parents[1] / "results" / "bench"
 
 
@@ -25,13 +25,14 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=20, help="seeds of the study, for each objective")
     parser.add_argument("--birds", type=int, default=20, help="random birds of the study")
     parser.add_argument("--workers", type=int, default=1, help="processes of the study")
+    parser.add_argument("--jobs", type=int, default=100_000, help="jobs of the largest sweep of batch_scale")
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder for the Parquet files")
     asked = parser.parse_args()
     for name in asked.names:
         if name not in NAMES:
             parser.error(f"expected one of {', '.join(NAMES)}, found {name!r}")
-    for option in ("seeds", "birds", "workers"):
-        least = 1 if option == "workers" else 0
+    for option in ("seeds", "birds", "workers", "jobs"):
+        least = 1 if option in ("workers", "jobs") else 0
         if getattr(asked, option) < least:
             parser.error(f"--{option}: expected at least {least}, found {getattr(asked, option)}")
 
@@ -43,6 +44,13 @@ def main() -> None:
         if name in CONTESTS:
             rows = measure(importlib.import_module(f"benchmarks.{name}").contest(), asked.seconds)
             print(f"\n{table(rows)}\n  {store(rows, asked.results)}", flush=True)
+            continue
+        if name == "batch_scale":
+            rows = batch_scale.study(asked.jobs)
+            print(
+                f"\n{batch_scale.report(rows)}\n  {store(rows, asked.results, batch_scale.SCHEMA)}",
+                flush=True,
+            )
             continue
         rows = seeds.study(asked.seeds, asked.birds, asked.workers)
         print(f"\n{seeds.report(rows)}")

@@ -1,25 +1,67 @@
-"""What the batch layer itself costs: very many jobs that compute nothing, run by the command as users do.
+"""What the batch layer itself costs: sweeps of very many jobs that compute nothing, run by the command as users do.
 
-python -m benchmarks.batch_scale [--jobs 100000]
+Sweeps of three sizes tell whether time grows in proportion, and whether memory stays bounded.
 """
 
 from __future__ import annotations
 
-import argparse
+import json
 import os
 import subprocess
 import sys
 import tempfile
-import time
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from benchmarks.record import in_words
+from pipeline.batch.columns import INTEGER, TEXT, Column
+from pipeline.batch.store import schema_of
+
+SHARES = (0.1, 0.3, 1.0)
+"""Sizes of the sweeps, over that of the largest."""
+
+WORKERS = 2
 SWEEP = """\
 solver = "benchmarks.batch_scale:nothing"
 species = "northern-bald-ibis"
 [grid]
 mass_kg = {{ linspace = [1.0, 1.5, {jobs}] }}
 """
+STEPS = {
+    "run": ("run", "./sweep.toml", "--workers", str(WORKERS)),
+    "status": ("status", "results/sweep"),
+    "aggregate": ("aggregate", "results/sweep"),
+    "status, gathered": ("status", "results/sweep"),
+    "run, all done": ("run", "./sweep.toml"),
+}
+
+# A process of its own, for a process starts with the peak memory of the one that it was forked from.
+METER = """\
+import json, resource, subprocess, sys, time
+begun = time.perf_counter()
+command = [sys.executable, "-c", "from pipeline.cli import main; main()", *sys.argv[1:]]
+told = subprocess.run(command, stdout=subprocess.DEVNULL)
+time_s, used = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
+processor_s, memory_mb = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0
+print(json.dumps({"time_s": time_s, "processor_s": processor_s, "memory_mb": memory_mb}))
+sys.exit(told.returncode)
+"""
+
+SCHEMA = schema_of(
+    [
+        Column("contest", "", "what was measured", TEXT),
+        Column("jobs", "1", "jobs of the sweep, which compute nothing", INTEGER),
+        Column("step", "", "command that was run", TEXT),
+        Column("time_s", "s", "wall time"),
+        Column("processor_s", "s", "processor time, that of the workers included"),
+        Column("memory_mb", "MB", "peak memory of the largest process"),
+        Column("load", "1", "processes that wanted a core in the minute before, this study's included"),
+        Column("processor", "", "model of the processor", TEXT),
+        Column("cores", "1", "number of the processor's cores", INTEGER),
+        Column("system", "", "operating system", TEXT),
+    ]
+)
 
 
 def nothing(job: Any) -> tuple[str, str, list[dict]]:
@@ -28,53 +70,45 @@ def nothing(job: Any) -> tuple[str, str, list[dict]]:
     return "solved", "", [{"rank": 0, "cost": job.mass_kg} | v_formation]
 
 
-def measured(folder: Path, *arguments: str) -> tuple[float, float, float]:
-    """Run the command; return its wall time and processor time in s, and its peak memory in MB.
+def study(largest: int) -> list[dict[str, Any]]:
+    """Run sweeps of up to so many jobs, look at them, gather them; return what each step took."""
+    return [row for share in SHARES for row in steps(max(1, round(share * largest)))]
 
-    The workers' processor time counts; the memory is that of the largest process.
-    """
-    begun = time.perf_counter()
-    process = subprocess.Popen(
-        [sys.executable, "-c", "from pipeline.cli import main; main()", *arguments],
+
+def steps(jobs: int) -> Iterator[dict[str, Any]]:
+    """Take one sweep through every step, in a folder of its own."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "sweep.toml").write_text(SWEEP.format(jobs=jobs), encoding="utf-8")
+        for step, arguments in STEPS.items():
+            yield {"contest": "batch_scale", "jobs": jobs, "step": step} | measured(folder, *arguments)
+
+
+def measured(folder: Path, *arguments: str) -> dict[str, float]:
+    """Run the command; return its wall and processor time, its workers' included, and its peak memory."""
+    told = subprocess.run(
+        [sys.executable, "-c", METER, *arguments],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[1])},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
     )
-    _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise SystemExit(f"upwash {' '.join(arguments)}: exit code {process.returncode}")
-    return time.perf_counter() - begun, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0
+    if told.returncode:
+        raise SystemExit(f"upwash {' '.join(arguments)}: {told.stderr.strip()}")
+    return json.loads(told.stdout) | {"load": os.getloadavg()[0]}
 
 
-def main() -> None:
-    """Run the sweep, look at it, gather it half by half, and print what each took."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.batch_scale", description=__doc__)
-    parser.add_argument("--jobs", type=int, default=100_000)
-    parser.add_argument("--workers", type=int, default=2)
-    asked = parser.parse_args()
-    with tempfile.TemporaryDirectory(dir=".") as name:
-        folder = Path(name)
-        (folder / "sweep.toml").write_text(SWEEP.format(jobs=asked.jobs))
-        run = ("run", "./sweep.toml", "--workers", str(asked.workers))
-        steps = [
-            ("read the sweep and foresee", (*run, "--dry-run")),
-            ("run the first half", (*run, "--shard", "1/2")),
-            ("status", ("status", "results/sweep")),
-            ("gather the first half", ("aggregate", "results/sweep")),
-            ("run the second half", (*run, "--shard", "2/2")),
-            ("gather the second half", ("aggregate", "results/sweep")),
-            ("status when gathered", ("status", "results/sweep")),
-            ("run when all is done", run),
-        ]
-        print(f"{asked.jobs} jobs, {asked.workers} workers")
-        print(f"{'':28} {'wall':>10} {'processor':>10} {'memory':>10}")
-        for label, arguments in steps:
-            wall, processor, megabytes = measured(folder, *arguments)
-            each = f"{1e3 * wall / (asked.jobs / 2):7.3f} ms a job" if "half" in label else ""
-            print(f"{label:28} {wall:8.2f} s {processor:8.2f} s {megabytes:7.0f} MB {each}", flush=True)
-
-
-if __name__ == "__main__":
-    main()
+def report(rows: Sequence[dict[str, Any]]) -> str:
+    """Return the figures to read: of each step, what it took, for a job, and over the smallest sweep's."""
+    lines = [f"batch_scale: jobs that compute nothing, {WORKERS} workers"]
+    heads = "wall", "processor", "memory", "wall/job", "processor/job", "over smallest", "load"
+    lines.append(f"  {'':18} {'jobs':>8}" + "".join(f" {head:>13}" for head in heads))
+    for step in STEPS:
+        some = [row for row in rows if row["step"] == step]
+        each = [row["processor_s"] / row["jobs"] for row in some]
+        for row, processor in zip(some, each, strict=True):
+            cells = [in_words(row["time_s"]), in_words(row["processor_s"]), f"{row['memory_mb']:.0f} MB"]
+            cells += [in_words(row["time_s"] / row["jobs"]), in_words(processor)]
+            cells += [f"{processor / each[0]:.2f}", f"{row['load']:.1f}"]
+            lines.append(f"  {step:18} {row['jobs']:8}" + "".join(f" {cell:>13}" for cell in cells))
+    return "\n".join(lines)
