@@ -25,6 +25,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "comparison.md"
 PROBLEMS = [
     (objective, convention) for objective in OBJECTIVES for convention in ("stroke-angle", "strouhal")
 ]
+INTERVAL = re.compile(r"\[(\S+), (\S+)\]")
 INPUTS = {
     "leader_upstroke_span_ratio": "upstroke span ratio R",
     "speed_m_s": "airspeed U",
@@ -140,7 +141,8 @@ def main(results: str) -> None:
     """Put the tables of a folder of results into the page."""
     text = PAGE.read_text(encoding="utf-8")
     for name, table in tables(Path(results)).items():
-        body = table.markdown().partition("\n\n")[2]
+        # An interval is not broken over two lines.
+        body = INTERVAL.sub("[\\1,\N{NO-BREAK SPACE}\\2]", table.markdown().partition("\n\n")[2])
         text, count = between(name).subn(lambda _, body=body: f"\n{body}\n\n", text)
         if count != 1:
             sys.exit(f"{PAGE}: expected one table named {name}, found {count}; mark its place")

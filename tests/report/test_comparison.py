@@ -452,7 +452,7 @@ class TestDocumentation:
 
     def numbers(self, cells):
         """Return the numbers and words of cells, without the intervals."""
-        bare = [re.sub(r" \[.*?\]", "", cell) for cell in cells]
+        bare = [re.sub(r"\s\[.*?\]", "", cell) for cell in cells]
         return [float(cell) if re.fullmatch(r"-?[\d.]+", cell) else cell for cell in bare]
 
     def test_savings(self, rows):
