@@ -1,9 +1,11 @@
-"""Renew the verdicts on the paper's claims: results/reference/claims.csv, and docs/claims.md which shows them.
+"""Renew the verdicts on the paper's claims: results/reference/claims.csv, docs/claims.md that shows them, and the
+README's count of them.
 
 ``make reference`` does it, after a change that is meant to change results or claims. A changed verdict shows in the
 diff of claims.csv; the tests compare fresh verdicts with it.
 """
 
+import re
 from pathlib import Path
 
 import pandas as pd
@@ -13,12 +15,14 @@ from pipeline.batch.job import run_job
 from pipeline.batch.store import ROWS, table_of
 from pipeline.report.claims import CLAIM_COLUMNS, gather_evidence, judge_claims
 from pipeline.report.claims.evidence import FLOCKS, SPEEDS
-from pipeline.report.claims.ledger import NOISE, ledger_markdown
+from pipeline.report.claims.ledger import NOISE, counts, ledger_markdown
 from pipeline.sweep import read_sweep
 
 ROOT = Path(__file__).parents[1]
 LEDGER = ROOT / "results" / "reference" / "claims.csv"
 PAGE = ROOT / "docs" / "claims.md"
+README = ROOT / "README.md"
+COUNTS = re.compile(r"\d+ claims:[^;]*")
 
 SWEEPS = ("reproduce", FLOCKS, SPEEDS)
 NUMBERS = [column.name for column in CLAIM_COLUMNS if column.type == FLOAT]
@@ -74,6 +78,8 @@ def main() -> None:
     ledger = judge_claims(gather_evidence([solved(sweep) for sweep in SWEEPS]))
     LEDGER.write_text(as_csv(ledger), encoding="utf-8")
     PAGE.write_text(page(), encoding="utf-8")
+    text = README.read_text(encoding="utf-8")
+    README.write_text(COUNTS.sub(counts(ledger), text), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Renew what is kept of a run of ``upwash reproduce``: results/reference/ and the table in README.md.
+"""Renew what is kept of a run of ``upwash reproduce``: results/reference/, and table and picture of README.md.
 
 ``make reference`` does it, after a change that is meant to change results. What moved shows in the diff of
 summary.csv, which says the same as summary.parquet.
@@ -19,6 +19,7 @@ from pipeline.batch.store import SUMMARY, read_table
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "results" / "reference"
 README = ROOT / "README.md"
+PICTURE = ROOT / "docs" / "optimal-position.png"
 BLOCK = re.compile(r"(?<=<!-- reproduce: begin -->\n```text\n).*(?=```\n<!-- reproduce: end -->)", re.DOTALL)
 
 COMMAND = [sys.executable, "-c", "from pipeline.cli import main; main(prog_name='upwash')", "reproduce"]
@@ -38,14 +39,16 @@ def as_csv(summary: pa.Table) -> str:
 def main() -> None:
     """Run `upwash reproduce` in a folder of its own and keep what it leaves and prints."""
     with tempfile.TemporaryDirectory() as folder:
-        finished = subprocess.run([*COMMAND, "--results", folder], stdout=subprocess.PIPE, text=True)
+        results = Path(folder) / "reproduce"
+        finished = subprocess.run([*COMMAND, "--results", results], stdout=subprocess.PIPE, text=True)
         # 3: the results are not those kept so far, which is why they are renewed.
         if finished.returncode not in (0, 3) or not finished.stdout:
             sys.exit(finished.returncode)
-        summary = Path(folder) / "summary.parquet"
+        summary = results / "summary.parquet"
         REFERENCE.mkdir(parents=True, exist_ok=True)
         (REFERENCE / "summary.parquet").write_bytes(summary.read_bytes())
         (REFERENCE / "summary.csv").write_text(as_csv(read_table(summary, SUMMARY)), encoding="utf-8")
+        PICTURE.write_bytes((results / "figures" / PICTURE.name).read_bytes())
     text = README.read_text(encoding="utf-8")
     README.write_text(BLOCK.sub(lambda _: finished.stdout, text), encoding="utf-8")
 

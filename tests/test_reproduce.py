@@ -1,18 +1,23 @@
 """The command ``upwash reproduce``: a fresh run prints the README's table and gives the kept results."""
 
 import json
+import re
 import shutil
 import subprocess
 from contextlib import chdir
 
+import pandas as pd
 import pyarrow as pa
 import pytest
 from click.testing import CliRunner
+from renew_claims import kept
 from renew_reference import BLOCK, COMMAND, README, REFERENCE, as_csv
 
 from pipeline.batch.store import SOLUTIONS, SUMMARY, TableWriter, metadata_of, read_table
 from pipeline.cli import main
 from pipeline.cli import reproduce as module
+from pipeline.report.claims.ledger import counts, tally
+from pipeline.report.figures import FIGURES
 
 
 @pytest.fixture(scope="module")
@@ -24,8 +29,14 @@ def fresh(tmp_path_factory):
 
 @pytest.fixture
 def results(fresh, tmp_path):
-    """A copy of the fresh results."""
-    return shutil.copytree(fresh[0] / "results" / "reproduce", tmp_path / "results" / "reproduce")
+    """A copy of the fresh results: the folder of the pair, those of flocks and airspeeds beside it."""
+    return shutil.copytree(fresh[0] / "results", tmp_path / "results") / "reproduce"
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Leave the figures that are there already, to save time where they do not matter."""
+    monkeypatch.setattr("pipeline.report.page.draw_figures", lambda sources, folder: [])
 
 
 @pytest.fixture
@@ -64,14 +75,46 @@ class TestFreshRun:
     def test_prints_exactly_what_the_readme_shows(self, fresh):
         assert BLOCK.search(README.read_text(encoding="utf-8"))[0] == fresh[1].stdout
 
+    def test_flocks_and_airspeeds_are_solved_beside_the_pair_and_the_claims_on_them_judged(self, fresh):
+        folder, finished = fresh
+        assert sorted(path.name for path in (folder / "results").iterdir()) == [
+            "group-speed",
+            "paper-flocks",
+            "reproduce",
+        ]
+        for name, jobs in (("reproduce", 2), ("paper-flocks", 4), ("group-speed", 11)):
+            assert f"results/{name}: {jobs} jobs solved and checked" in finished.stderr
+        verdicts = pd.read_parquet(folder / "results" / "reproduce" / "claims.parquet")["verdict"]
+        assert list(verdicts) == list(kept()["verdict"])
+        assert f"claims.parquet: {counts(kept())}\n" in finished.stderr
+
+    def test_it_ends_with_a_page_that_shows_every_figure_of_the_paper(self, fresh):
+        folder, finished = fresh
+        assert "results/reproduce/index.html: the page about all of it" in finished.stderr
+        page = (folder / "results" / "reproduce" / "index.html").read_text(encoding="utf-8")
+        drawn = [name for name in FIGURES if not name.startswith("species")]
+        assert page.count("<img ") == len(drawn)
+        for name in drawn:
+            assert f'<h3 id="{name}">' in page
+            for ending in ("pdf", "png", "svg"):
+                assert (folder / "results" / "reproduce" / "figures" / f"{name}.{ending}").exists()
+
+    def test_a_second_run_gives_the_same_bytes_and_solves_nothing(self, results):
+        before = {path: path.read_bytes() for path in results.rglob("*") if path.is_file()}
+        result = again(results)
+        assert result.exit_code == 0
+        assert not re.search(r"\d of \d+ jobs", result.stderr)
+        after = {path: path.read_bytes() for path in results.rglob("*") if path.is_file()}
+        assert [path.name for path in after if after[path] != before.get(path)] == []
+        assert set(before) == set(after)
+
     def test_the_kept_table_for_people_is_the_kept_table(self):
         kept = read_table(REFERENCE / "summary.parquet", SUMMARY)
         assert (REFERENCE / "summary.csv").read_text(encoding="utf-8") == as_csv(kept)
 
-    def test_json_says_the_same_and_nothing_is_solved_twice(self, results):
+    def test_json_says_the_same(self, results, undrawn):
         result = again(results, "--json")
         assert result.exit_code == 0
-        assert "of 2 jobs" not in result.stderr
         said = json.loads(result.stdout, parse_constant=pytest.fail)
         assert said["agrees_with_reference"] is True
         assert said["minimum_is_global"] == {"force": False, "power": False}
@@ -86,10 +129,18 @@ class TestFreshRun:
             1.89,
         ]
         assert max(abs(one["difference %"]) for one in said["table_1"]) < 1.5
+        assert said["page"] == "results/reproduce/index.html"
+        assert said["claims"]["file"] == "results/reproduce/claims.parquet"
+        assert said["claims"]["verdicts"] == tally(kept())
+
+
+class TestReadme:
+    def test_tells_how_many_claims_hold(self):
+        assert counts(kept()) in " ".join(README.read_text(encoding="utf-8").split())
 
 
 class TestChecks:
-    def test_results_that_are_not_those_kept_are_shown_and_named(self, fresh, results, reference):
+    def test_results_that_are_not_those_kept_are_shown_and_named(self, fresh, results, reference, undrawn):
         multiply(reference / "summary.parquet", SUMMARY, "cost", 1.0 + 1e-6)
         result = again(results)
         assert result.exit_code == 3
@@ -97,7 +148,7 @@ class TestChecks:
         assert "\ncost, job " in f"\n{result.stderr}"
         assert "upwash diff" in result.stderr.splitlines()[-1]
 
-    def test_the_last_digits_may_differ(self, results, reference):
+    def test_the_last_digits_may_differ(self, results, reference, undrawn):
         multiply(reference / "summary.parquet", SUMMARY, "cost", 1.0 + 1e-9)
         assert again(results).exit_code == 0
 

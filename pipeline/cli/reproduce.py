@@ -32,14 +32,20 @@ def _say(line: str) -> None:
 
 @click.command()
 @click.option(
-    "--results", metavar="DIR", default=f"results/{SWEEP}", show_default=True, help="Results folder."
+    "--results",
+    metavar="DIR",
+    default=f"results/{SWEEP}",
+    show_default=True,
+    help="Results folder of the pair; those of flocks and airspeeds are beside it.",
 )
 @as_json
 def reproduce(results: str, json_output: bool) -> None:
-    r"""Redo the paper, and print its table beside ours.
+    """Redo the paper, and print its table beside ours.
 
-    Solves the paper's pair for both of its objectives, checks the results and compares them with those that
-    are kept with the code. What is solved already is kept. Exit code 3 if a check fails.
+    Solves the paper's pair for both of its objectives, its flocks, and the pair at other airspeeds; checks
+    the results and compares those of the pair with what is kept with the code. Then judges the paper's
+    claims, draws its figures, and writes a page that shows all of it. What is solved already is kept. Exit
+    code 3 if a check fails.
 
     \b
     Example:
@@ -48,22 +54,36 @@ def reproduce(results: str, json_output: bool) -> None:
     from pipeline.batch.compare import compare_folders
     from pipeline.batch.folder import ResultsFolder
     from pipeline.batch.store import GATHERED, SOLUTIONS, read_table
+    from pipeline.report.claims import judge_claims, read_evidence
+    from pipeline.report.claims.evidence import beside
+    from pipeline.report.claims.ledger import counts, tally, write_claims
+    from pipeline.report.page import write_page
     from pipeline.report.reproduction import reproduction, reproduction_record
 
     folder = ResultsFolder(results)
-    solve_and_check(SWEEP, folder)
+    others = beside(folder.path)
+    text = solve_and_check(SWEEP, folder)
+    for path in others:
+        solve_and_check(path.name, ResultsFolder(path))
     solutions = read_table(folder.path / GATHERED["pair"], SOLUTIONS).to_pandas()
     comparison = compare_folders(folder, ResultsFolder(REFERENCE))[0]
+    ledger = judge_claims(read_evidence(results))
+    claims = write_claims(ledger, results, text)
+    page = write_page(results, *others)
     if json_output:
         record = {
             "results": results,
             **reproduction_record(solutions),
             "agrees_with_reference": comparison.agrees,
             "reference": asdict(comparison),
+            "claims": {"file": str(claims), "verdicts": tally(ledger)},
+            "page": str(page),
         }
         click.echo(json.dumps(record, ensure_ascii=False, indent=2, allow_nan=False))
     else:
         click.echo(reproduction(solutions))
+    _say(f"{claims}: {counts(ledger)}")
+    _say(f"{page}: the page about all of it, to be opened in a browser")
     for found in comparison.differences:
         values = f"found {found.first}, kept {found.second}"
         _say(f"{found.column}, job {found.job_id}: {values} (may differ by {found.allowed})")
@@ -73,8 +93,8 @@ def reproduce(results: str, json_output: bool) -> None:
     _say(f"{results}: agrees with {REFERENCE}")
 
 
-def solve_and_check(sweep: str, folder: ResultsFolder) -> None:
-    """Solve, gather and check a sweep.
+def solve_and_check(sweep: str, folder: ResultsFolder) -> str:
+    """Solve, gather and check a sweep, and return its text.
 
     Raises
     ------
@@ -102,3 +122,4 @@ def solve_and_check(sweep: str, folder: ResultsFolder) -> None:
     if findings:
         raise CheckFailed(f"{folder}: {findings[0]}")
     _say(f"{folder}: {jobs} jobs solved and checked")
+    return read.text
