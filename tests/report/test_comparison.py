@@ -1,14 +1,12 @@
 """Species side by side: what is compared, how sure it is, what it is set against, and its files."""
 
 import json
-import re
 from contextlib import chdir
 
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-import renew_comparison
 from click.testing import CliRunner
 
 from pipeline import load_species
@@ -29,7 +27,6 @@ from pipeline.report.observations import (
 )
 from pipeline.report.quantities import optima_of_jobs
 from pipeline.report.studies import study_of
-from pipeline.species.library import library_paths
 
 SPECIES = ("northern-bald-ibis", "mute-swan", "dunlin")
 SWEEP = f"""\
@@ -440,48 +437,6 @@ class TestFiles:
         (results.parent / "uncertainty" / "solutions.parquet").write_bytes(b"PAR1 not really")
         said = upwash("aggregate", str(results)).stderr
         assert "no tables: " in said and "solutions.parquet" in said
-
-
-class TestDocumentation:
-    """What docs/comparison.md shows is what a fresh run gives, to the last digit shown."""
-
-    def cells(self, name):
-        """Return the cells of a table of the page, row by row."""
-        text = renew_comparison.between(name).search(renew_comparison.PAGE.read_text(encoding="utf-8"))[1]
-        return [line.strip("| ").split(" | ") for line in text.strip().splitlines()]
-
-    def numbers(self, cells):
-        """Return the numbers and words of cells, without the intervals."""
-        bare = [re.sub(r"\s\[.*?\]", "", cell) for cell in cells]
-        return [float(cell) if re.fullmatch(r"-?[\d.]+", cell) else cell for cell in bare]
-
-    def test_savings(self, rows):
-        shown = self.cells("savings")
-        fresh = renew_comparison.savings(compare(rows))
-        assert shown[0] == list(fresh.frame.columns)
-        assert len(shown) == 2 + len(library_paths())
-        by_name = {line[0]: line for line in shown[2:]}
-        for line in fresh.cells():
-            assert self.numbers(by_name[line[0]]) == [
-                pytest.approx(cell, abs=0.051) if isinstance(cell, float) else cell
-                for cell in self.numbers(line)
-            ]
-
-    def test_measured_positions(self, rows):
-        shown = self.cells("measured")
-        fresh = renew_comparison.measurements(compare_with_observations(rows))
-        assert shown[0] == list(fresh.frame.columns)
-        found = {tuple(line[:4]): line[4:] for line in shown[2:]}
-        for *what, force, power in fresh.cells():
-            for ours, page in zip((force, power), found[tuple(what)], strict=True):
-                value = float(ours.split()[0])
-                assert float(page.split()[0]) == pytest.approx(value, rel=6e-3)
-
-    def test_statements(self, rows):
-        (heads, _, *shown) = self.cells("mechanism")
-        fresh = renew_comparison.mechanism_counts(count_species(mechanism(rows)))
-        assert heads == list(fresh.frame.columns)
-        assert [line[0] for line in shown] == [line[0] for line in fresh.cells()]
 
 
 class TestWhichStudy:
