@@ -20,7 +20,7 @@ install: $(VENV)/installed-dev  ## make .venv with everything a developer needs
 test: $(VENV)/installed-dev  ## run all tests
 	$(BIN)/python -m pytest
 
-reproduce: $(VENV)/installed  ## redo the paper: solve, check, and print its table beside ours
+reproduce: $(VENV)/installed  ## redo the paper: solve, check, print its table beside ours, write a page about it
 	$(BIN)/upwash reproduce
 
 reference: $(VENV)/installed  ## renew results/reference/ and what shows it in README and docs, when results are meant to change
