@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from pipeline.cli.solve import as_json, problem
+from pipeline.sweep.job import FLOCK_CHOICES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -129,7 +130,7 @@ def _solved(kind: str, chosen: dict[str, Any]) -> pd.DataFrame:
 @click.option("--birds", type=click.IntRange(2, 24), default=4, show_default=True, help="Birds in the flock.")
 @click.option(
     "--shape",
-    type=click.Choice(["echelon", "vee", "alternating"]),
+    type=click.Choice(FLOCK_CHOICES["shape"]),
     default="echelon",
     show_default=True,
     help="One line, two from one leader, or sides in turn.",
@@ -157,7 +158,7 @@ def animate(birds: int, shape: str, output: Path, **chosen: Any) -> None:
     from pipeline.report.animation import check_ending, write_animation
 
     check_ending(output)
-    flock = {"birds": birds, "shape": shape, "wake": "neighbour", "reading": "immediate"}
+    flock = {"birds": birds, "shape": shape, "wake": "neighbour", "wavelengths": 1, "reading": "immediate"}
     rows = _solved("flock", chosen | flock)
     placed = rows[(rows["status"] == SOLVED) & rows["x_flock_m"].notna()]
     if len(placed) < 2:

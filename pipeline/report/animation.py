@@ -114,7 +114,7 @@ class Scene:
             style.use(STYLE)
             self.figure = Figure(figsize=SIZE_IN, dpi=DOTS_AN_INCH)
             # Not laid out anew for every picture, which would make the panels tremble.
-            self.view = self.figure.add_axes((0.0, 0.4, 1.0, 0.56))
+            self.view = self.figure.add_axes((0.02, 0.4, 0.97, 0.56))
             self.side = self.figure.add_axes((0.09, 0.09, 0.88, 0.25))
             self.moving = [self._artists(bird) for _, bird in self.birds.iterrows()]
             self._frame()

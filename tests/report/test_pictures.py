@@ -87,6 +87,28 @@ class TestField:
         assert result.exit_code == 2 and len(result.stderr.splitlines()) == 1
 
 
+class TestSolving:
+    """The commands from the species to the file, nothing put in the place of the search."""
+
+    def test_a_field_goes_through_the_optimum_that_is_solved_for_it(self, tmp_path):
+        result = run("field", "northern-bald-ibis", "--size", 3, "--output", tmp_path, "--json")
+        assert result.exit_code == 0, result.output
+        expected = dict(zip(("x_m", "y_m", "z_m"), studies.OPTIMA["force"][1], strict=False))
+        found = json.loads(result.stdout)["optimum"]
+        assert {name: found[name] for name in expected} == pytest.approx(expected, abs=1e-4)
+
+    def test_an_animation_is_of_the_flock_that_is_solved_for_it(self, tmp_path, monkeypatch):
+        drawn = []
+        monkeypatch.setattr(animation, "write_animation", lambda birds, path: drawn.append(birds))
+        result = run(
+            "animate", "northern-bald-ibis", "--birds", 3, "--shape", "vee", "--output", tmp_path / "vee.gif"
+        )
+        assert result.exit_code == 0, result.output
+        second, third = studies.OPTIMA["force"][1], drawn[0].iloc[2]
+        assert list(drawn[0]["bird"]) == [1, 2, 3]
+        assert (third["x_flock_m"], third["y_flock_m"]) == pytest.approx((second[0], -second[1]), abs=1e-4)
+
+
 class TestAnimate:
     @pytest.fixture
     def birds(self):
