@@ -140,6 +140,15 @@ def solver_of(job: Job) -> Callable[[Job], tuple[str, str, list[Row]]]:
     return getattr(import_module(module), function)
 
 
+def needs_compiling(job: Job) -> bool:
+    """Whether this machine has still to compile the built-in solver, which takes far longer than a job.
+
+    The proof is what is compiled last.
+    """
+    kept = Path(os.environ["NUMBA_CACHE_DIR"]).glob("*/certify.*.nbi")
+    return job.solver == BUILT_IN_SOLVER and not any(kept)
+
+
 def job_of(row: Mapping[str, Any]) -> Job:
     """Return the job that a stored row came from, made of its inputs alone."""
     return Job(**{name: row[name] for name in INPUTS if row.get(name) is not None})

@@ -45,6 +45,10 @@ class Progress:
             if self.failed == FAILURES_SHOWN:
                 self.tell("further failures are counted here, and listed by 'upwash status'")
 
+    def restart(self) -> None:
+        """Tell the rate from here on."""
+        self.begun = time.monotonic()
+
     def tell(self, line: str) -> None:
         """Write a line of its own."""
         self.stream.write(f"\r\x1b[K{line}\n" if self.is_terminal else f"{line}\n")

@@ -22,7 +22,7 @@ from joblib import Parallel, delayed
 from pipeline.batch import columns as of
 from pipeline.batch.folder import Entry, Plan, ResultsFolder, Shard, journal_line
 from pipeline.batch.index import Index, Known, read_index
-from pipeline.batch.job import Result, encode, failed_rows, run_batch
+from pipeline.batch.job import Result, encode, failed_rows, needs_compiling, run_batch
 from pipeline.batch.mend import verified_index
 from pipeline.batch.progress import Progress
 from pipeline.batch.selection import in_shard, is_to_run
@@ -196,12 +196,19 @@ class _Run:
     def all(self, jobs: Sequence[Job]) -> None:
         """Run jobs until each has a result."""
         self.queue.extend(jobs)
+        is_cold = self.options.backend == LOKY and needs_compiling(jobs[0])
         with workers(self.options.backend, self.options.scheduler) as killed:
             while self.queue or self.suspects:
                 self.is_alone, self.is_stopping = bool(self.suspects), False
                 try:
                     if self.is_alone:
                         self.alone(self.suspects.popleft())
+                    elif is_cold:
+                        # Workers that begin together would all compile the same.
+                        is_cold = False
+                        self.progress.tell("compiling, once for this version: about 20 s")
+                        self.alone(self.queue.popleft())
+                        self.progress.restart()
                     else:
                         self.stream(self.batches())
                 except killed as death:

@@ -49,6 +49,13 @@ def slow(job):
     return "solved", "", [row(job, 0), row(job, 1)]
 
 
+def told_at_both_ends(job):
+    log(f"begun:{job.job_id}")
+    time.sleep(0.02)
+    log(f"ended:{job.job_id}")
+    return "solved", "", [row(job)]
+
+
 def waiting_when_heavy(job):
     """Wait, beyond 1.25 kg, until the test lets go; a minute at most."""
     log(job.job_id)

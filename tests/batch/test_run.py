@@ -11,7 +11,9 @@ import pyarrow.parquet as pq
 import pytest
 from conftest import wait_until
 
-from pipeline.batch import aggregate
+from pipeline.batch import aggregate, runner
+from pipeline.batch.job import needs_compiling
+from pipeline.sweep import read_sweep
 
 
 def test_a_second_run_does_nothing_and_a_larger_sweep_only_what_is_new(bench):
@@ -312,6 +314,28 @@ def test_a_workers_arrays_and_loops_have_one_thread(bench):
     bench.sweep("threads", 2)
     bench.run()
     assert bench.solved() == {f"{name}_NUM_THREADS=1": 2 for name in ("OMP", "OPENBLAS", "NUMBA")}
+
+
+class TestCompiling:
+    def test_is_known_to_be_done_once_a_job_has_been_solved(self, reproduced, tmp_path, monkeypatch):
+        job = read_sweep("reproduce").jobs[0]
+        assert not needs_compiling(job)
+        monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+        assert needs_compiling(job)
+
+    def test_is_done_by_one_worker_while_the_others_wait(self, bench, monkeypatch):
+        monkeypatch.setattr(runner, "needs_compiling", lambda job: True)
+        bench.sweep("told_at_both_ends", 6)
+        before = len(bench.log.read_text().split()) if bench.log.exists() else 0
+        _, said = bench.run()
+        assert said.splitlines()[0] == "compiling, once for this version: about 20 s"
+        begun, ended, *others = bench.log.read_text().split()[before:]
+        assert ended == begun.replace("begun", "ended") and len(others) == 10
+
+    def test_concerns_the_built_in_solver_alone(self, bench, tmp_path, monkeypatch):
+        monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "empty"))
+        bench.sweep("trivial", 2)
+        assert "compiling" not in bench.run()[1]
 
 
 def test_hostile_names_stay_inside_the_folder(bench, tmp_path):
