@@ -9,7 +9,7 @@ from benchmarks.wake_force import IBIS, PLACE, numpy_force
 from pipeline.aero.field_map import force_map
 from pipeline.aero.interaction import net_force
 
-SIZE = 200
+SIZE = 1000
 SIDE_OF_PEERS = 20
 """Places along a side: ours, and those of contenders that take thousands of times longer."""
 

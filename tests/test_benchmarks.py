@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from benchmarks import field, wake_force
+from benchmarks import field, force_map, wake_force
 from benchmarks.contest import Contender, Contest, measure
 from benchmarks.record import store, table
 
@@ -31,9 +31,10 @@ def rows():
     )
 
 
-@pytest.mark.parametrize("module", [field, wake_force])
+@pytest.mark.parametrize("module", [field, wake_force, force_map])
 def test_all_contenders_of_a_contest_compute_the_same(module, monkeypatch):
     monkeypatch.setattr(field, "POINTS", 500)
+    monkeypatch.setattr(force_map, "SIZE", 30)
     ours, *others = [one for one in module.contest().contenders if not one.missing]
     ours.run()
     for one in others:
