@@ -24,7 +24,7 @@ from pipeline.report.claims.ledger import FILE, counts, ledger_shown
 from pipeline.report.figures.catalogue import FIGURES, FOLDER, arguments, draw_figures
 from pipeline.report.sources import Sources, Study, read_study, sort_studies
 from pipeline.report.story import CHAPTERS, Chapter, short_answer
-from pipeline.report.table import Table
+from pipeline.report.table import Table, true_minus
 
 PAGE = "index.html"
 TEMPLATES = files("pipeline.report") / "templates"
@@ -211,11 +211,6 @@ def table_context(table: Table, name: str) -> dict[str, Any]:
         notes.append(f"the first {MOST_ROWS} of {len(table.frame)} rows; the files hold all")
     head = [{"text": str(one), "numeric": is_number} for one, is_number in zip(frame, numeric, strict=True)]
     return {"name": name, "title": table.title, "head": head, "rows": rows, "notes": notes}
-
-
-def true_minus(text: str) -> str:
-    """Return a text with a true minus before its negative numbers."""
-    return re.sub(r"(?<![\w.])-(?=\d)", "−", text)
 
 
 def sort_key(value: Any, text: str) -> str:

@@ -9,9 +9,9 @@ from renew_claims import kept
 from pipeline.errors import UpwashError
 from pipeline.report import figures
 from pipeline.report.claims.ledger import write_claims
-from pipeline.report.page import sort_key, subscripts, table_context, true_minus, write_page
+from pipeline.report.page import sort_key, subscripts, table_context, write_page
 from pipeline.report.story import CHAPTERS
-from pipeline.report.table import Table
+from pipeline.report.table import Table, true_minus
 from report import studies
 from report.browser import Browser, find_browser
 

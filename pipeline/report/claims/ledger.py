@@ -31,7 +31,7 @@ from pipeline.report.claims.claim import (
     judge,
 )
 from pipeline.report.claims.evidence import Evidence
-from pipeline.report.table import Table, cell
+from pipeline.report.table import Table, cell, true_minus
 
 TOPICS = {
     "Table 1": of_table_1.CLAIMS,
@@ -199,7 +199,7 @@ def ledger_markdown(ledger: pd.DataFrame) -> str:
         # A heading stands in the place of the table's own title.
         lines = Table(str(topic), shown).markdown().splitlines()[2:]
         parts.append("\n".join([f"## {topic}", "", *lines]))
-    return "\n\n".join(parts)
+    return true_minus("\n\n".join(parts))
 
 
 def ledger_shown(ledger: pd.DataFrame) -> pd.DataFrame:

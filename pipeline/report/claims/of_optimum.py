@@ -51,7 +51,7 @@ CLAIMS = (
         "λ",
         between(0.45, 0.5),
         lambda evidence: evidence.of_v("x_wavelengths"),
-        "It trails just ahead of where thrust from the wake turns into drag.",
+        "It flies just upstream of where the wake's thrust turns into drag.",
     ),
     Claim(
         "antiphase",
@@ -91,7 +91,7 @@ CLAIMS = (
         "%",
         between(0.0, 1.0),
         _over_the_rule,
-        "The inner wingtip keeps a little outboard of where it would meet the vortex.",
+        "Ours over the rule's, less 1.",
     ),
     Claim(
         "observed-y",

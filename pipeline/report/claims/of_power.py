@@ -110,7 +110,7 @@ CLAIMS = (
         "share",
         at_least(0.5),
         lambda evidence: evidence.of_v("profile_share"),
-        "Profile power saved over all power saved; it is also the larger share of its own kind.",
+        "Profile power saved over all power saved; profile power also falls by the larger fraction of itself.",
     ),
     Claim(
         "amplitude-reduction",

@@ -129,7 +129,7 @@ CLAIMS = (
         "%",
         at_least(0.0),
         _cost_of_table_1,
-        "Its force is below what is proved to be the least of any V in the model as stated; the paper's code must "
-        "differ from its text.",
+        "Its force is below what is proved to be the least of any V in the model as stated: the paper's code differs "
+        "from its text, or its solver ended short of balance.",
     ),
 )

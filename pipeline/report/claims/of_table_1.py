@@ -27,12 +27,12 @@ _SLUGS = {
     "I_x/T": "thrust",
 }
 _WHYS = {
-    "x_F": "Our minimum is proved to 1e-4; the paper's solver stopped near it, on a kink.",
+    "x_F": "Ours is the least of any V, proved to 1e-4 of its force; why the paper's differs, its text does not tell.",
     "y_F": "Between the three values that the paper prints.",
     "z_F": "Ours is relative to the leader; z_L = h_L/2 is added to compare.",
     "κ_F": "The kink at ½ holds it exactly there.",
-    "h_F": "Around the optimum the cost is flat along the exchange of amplitude for position.",
-    "I_x/T": "The largest difference of the table: thrust is what the follower trades against its position.",
+    "h_F": "Force hardly depends on amplitude, so that near its least it says little about h.",
+    "I_x/T": "The largest difference of the table; it follows from those of h_F and R_F.",
 }
 
 
