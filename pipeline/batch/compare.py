@@ -102,6 +102,9 @@ def _read(folder: ResultsFolder, name: str, kind: str) -> pa.Table:
     path = folder.path / name
     if not path.exists():
         raise UpwashError(f"{folder}: expected {name}, found none; gather it by 'upwash aggregate {folder}'")
+    if loose := len(folder.job_ids()):
+        found = f"found {loose} not gathered yet; gather them by 'upwash aggregate {folder}'"
+        raise UpwashError(f"{folder}: expected all finished jobs in {name}, {found}")
     try:
         return read_table(path, SUMMARIES[kind] if name == SUMMARY else ROWS[kind])
     except Damaged as error:

@@ -142,8 +142,12 @@ def _labels(jobs: Sequence[Job]) -> Any:
     varied = [name for name in (columns[0] if columns else ()) if len({row[name] for row in columns}) > 1]
     varied = [name for name in varied if name not in ("species", "objective")]
     return lambda job: " ".join(
-        [job.species, job.objective, *(f"{name}={getattr(job, name)}" for name in varied)]
+        [job.species, job.objective, *(f"{name}={_short(getattr(job, name))}" for name in varied)]
     )
+
+
+def _short(value: Any) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def _experience(folder: ResultsFolder) -> float | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from pipeline.batch import columns as of
 from pipeline.batch.folder import RECENT, Journals, ResultsFolder, entry_of
-from pipeline.batch.index import read_index
+from pipeline.batch.index import Known, read_index
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,13 @@ def status_of(folder: ResultsFolder) -> Status:
         is_running=is_running,
         jobs_per_s=rate,
         seconds_left=left / rate if rate else None,
-        causes=dict(Counter(one.cause for one in ended if one.status != of.SOLVED).most_common()),
+        causes=dict(Counter(_cause(one) for one in ended if one.status != of.SOLVED).most_common()),
     )
+
+
+def _cause(known: Known) -> str:
+    """Return what kept a job from being solved; that there is no answer is told apart from a failure."""
+    return known.cause if known.status == of.FAILED else f"{known.status}: {known.cause}"
 
 
 def _rate(journals: Journals) -> float | None:

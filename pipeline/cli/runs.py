@@ -238,7 +238,7 @@ def show(results: str, job: str, as_json: bool) -> None:
         return
     table = [name for name in OF_AN_OPTIMUM if name in rows[0]]
     for name, value in rows[0].items():
-        if name not in table and value is not None and all(row[name] == value for row in rows):
+        if name not in table and value not in (None, "") and all(row[name] == value for row in rows):
             unit = COLUMNS[name].unit if COLUMNS[name].unit != "1" else ""
             click.echo(f"{name:28}{_cell(value)} {unit}".rstrip())
     shown = [name for name in table if any(row[name] is not None for row in rows)]

@@ -69,6 +69,16 @@ class TestDiff:
         _, said = bench("diff", str(reproduced), "results/sweep", code=2)
         assert "upwash aggregate results/sweep" in said and len(said.splitlines()) == 1
 
+    def test_jobs_that_were_done_since_are_not_passed_over(self, bench):
+        bench.sweep("trivial", 2)
+        bench.run()
+        bench("aggregate", "results/sweep")
+        bench("diff", "results/sweep", "results/sweep")
+        bench.sweep("trivial", 3)
+        bench.run()
+        _, said = bench("diff", "results/sweep", "results/sweep", code=2)
+        assert "found 1 not gathered yet" in said and len(said.splitlines()) == 1
+
     @pytest.mark.parametrize("column", COLUMNS.values(), ids=COLUMNS)
     def test_absence_and_presence_never_agree(self, column):
         value = {of.FLOAT: 1.0, of.INTEGER: 1, of.TEXT: "a", of.TRUTH: True}[column.type]

@@ -62,7 +62,8 @@ def test_fail_fast_stops_at_the_first_failure(bench):
 def test_no_answer_is_no_failure(bench):
     bench.sweep("infeasible", 2)
     bench.run()
-    assert bench.status()["infeasible"] == 2
+    status = bench.status()
+    assert (status["infeasible"], status["causes"]) == (2, {"infeasible: nowhere to fly": 2})
     bench("aggregate", "results/sweep")
     assert set(bench.summary().column("error").to_pylist()) == {"nowhere to fly"}
 
