@@ -1,6 +1,7 @@
 """Malformed sweeps and species, hostile names: exit code 2, one line that says where, nothing written."""
 
 import os
+import random
 import subprocess
 import sys
 
@@ -8,6 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 from pipeline.cli import main
+from pipeline.errors import UpwashError
+from pipeline.sweep import read_sweep
 from pipeline.sweep.file import SWEEP_FOLDER
 
 IBIS = 'species = "northern-bald-ibis"\n'
@@ -30,6 +33,8 @@ MALFORMED = [
     (IBIS + "seed = -1\n", 2, "whole number"),
     (IBIS + "seed = 1.5\n", 2, "whole number"),
     (IBIS + "seed = true\n", 2, "whole number"),
+    (IBIS + f"seed = {2**63}\n", 2, "whole number"),
+    (IBIS + f"[fixed]\nmass_kg = {'9' * 400}\n", 3, "finite"),
     (IBIS + "tolerance = 0\n", 2, "between 0 and 1"),
     (IBIS + "tolerance = nan\n", 2, "between 0 and 1"),
     (IBIS + "kind = 'flok'\n", 2, "flock"),
@@ -136,6 +141,88 @@ def test_a_malformed_species_is_refused_with_the_sweeps_line(run, tmp_path, old,
     assert_refused(
         run('# swans\nspecies = "swan.toml"\n'), tmp_path, "sweep.toml, line 2:", "swan.toml", word
     )
+
+
+GOOD_SWEEP = """\
+species = ["northern-bald-ibis", "swan.toml"]
+objective = ["force", "power"]
+amplitude = "stroke-angle"
+seed = 1
+tolerance = 1e-3
+
+[fixed]
+speed_m_s = 14.0
+mass_kg = { value = 1.1, relative = true }
+
+[grid]
+period_s = [0.20, 0.25]
+upstroke_span_ratio = { linspace = [0.35, 0.45, 2] }
+
+[[exclude]]
+species = "swan"
+period_s = { above = 0.22 }
+"""
+OTHER_VALUES = [
+    "",
+    "nan",
+    "-1",
+    "1e999",
+    "true",
+    "[]",
+    "{}",
+    "'x'",
+    "[[1]]",
+    "2020-01-01",
+    '"""',
+    "\x00",
+    "9" * 400,
+]
+
+
+def spoilt(text, chance):
+    """Return a file with one thing gone wrong: cut, a sign lost, a key misspelt, another value, a line twice."""
+    lines = text.splitlines()
+    at = chance.choice([number for number, line in enumerate(lines) if "=" in line])
+    key, _, value = lines[at].partition("=")
+    match chance.randrange(6):
+        case 0:
+            return text[: chance.randrange(1, len(text))]
+        case 1:
+            signs = [place for place, sign in enumerate(text) if sign in '[]{}="']
+            place = chance.choice(signs)
+            return text[:place] + text[place + 1 :]
+        case 2:
+            place = chance.randrange(len(key.rstrip()) + 1)
+            lines[at] = f"{key[:place]}q{key[place:]}={value}"
+        case 3 | 4:
+            lines[at] = f"{key}= {chance.choice(OTHER_VALUES)}"
+        case 5:
+            lines.insert(at, lines[at])
+    return "\n".join(lines) + "\n"
+
+
+def is_good(path):
+    try:
+        read_sweep(path)
+    except UpwashError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("part", ["sweep", "swan"])
+def test_whatever_goes_wrong_in_a_file_is_one_line_and_leaves_no_trace(tmp_path, monkeypatch, part):
+    monkeypatch.chdir(tmp_path)
+    chance = random.Random(part)
+    good = {"sweep": GOOD_SWEEP, "swan": SWAN}
+    refused = 0
+    for _ in range(150):
+        for name, text in good.items():
+            (tmp_path / f"{name}.toml").write_text(spoilt(text, chance) if name == part else text)
+        # A line lost at the end, or another number, may leave a file in order.
+        if not is_good("./sweep.toml"):
+            assert_refused(CliRunner().invoke(main, ["run", "./sweep.toml"]), tmp_path, f"{part}.toml")
+            refused += 1
+    assert refused > 75
 
 
 def test_bytes_that_are_no_text_are_refused_with_their_line(run, tmp_path):

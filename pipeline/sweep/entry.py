@@ -12,6 +12,7 @@ from typing import Any
 from pipeline.errors import UpwashError
 from pipeline.species.file import did_you_mean, printable
 from pipeline.sweep.toml_lines import key_lines, line_of
+from pipeline.sweep.values import is_number
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ class Entry:
     def number(self, expected: str, fits: Callable[[float], bool]) -> float:
         """Return a number of a certain kind; true and false are none."""
         value = self.value
-        if not isinstance(value, (int, float)) or isinstance(value, bool) or not fits(value):
+        if not is_number(value) or not fits(value):
             raise self.unexpected(expected)
         return value
 

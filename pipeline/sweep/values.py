@@ -8,6 +8,9 @@ from typing import Any
 
 SAMPLERS = ("latin-hypercube", "sobol", "saltelli")
 MAX_POINTS = 1_000_000
+LARGEST = 2**63 - 1
+"""Of the whole numbers, which TOML and Parquet keep in 64 bits."""
+
 _ROWS = ("linspace", "geomspace")
 
 
@@ -20,8 +23,12 @@ class Setting:
 
 
 def is_number(value: Any) -> bool:
-    """Whether a value read from TOML is a finite number; true and false are none."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    """Whether a value read from TOML is a number that a column can hold; true and false are none."""
+    if isinstance(value, bool):
+        return False
+    return (
+        isinstance(value, int) and abs(value) <= LARGEST or isinstance(value, float) and math.isfinite(value)
+    )
 
 
 def settings(spec: Any, only_one: bool = False) -> list[Setting]:
