@@ -21,6 +21,8 @@ from pipeline.batch.columns import (
     TRUTH,
 )
 from pipeline.cli import main
+from pipeline.species.library import find_species
+from pipeline.sweep import read_sweep
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -91,6 +93,19 @@ def test_code_in_the_documentation_does_what_it_shows(page, tmp_path, monkeypatc
             exec(compile(body, str(page), "exec"), names)
         elif language == "console":
             run_session(body)
+
+
+SWEEPS = [body for language, _, body in blocks(DOCS / "sweeps.md") if language == "toml"]
+
+
+@pytest.mark.parametrize("text", SWEEPS)
+def test_a_sweep_shown_on_the_page_about_them_can_be_read(text, tmp_path):
+    (tmp_path / "mybird.toml").write_text(
+        find_species("dunlin").read_text(encoding="utf-8"), encoding="utf-8"
+    )
+    path = tmp_path / "shown.toml"
+    path.write_text(text, encoding="utf-8")
+    assert len(read_sweep(path).jobs) > 0
 
 
 VALIDATED = re.findall(
