@@ -82,7 +82,7 @@ class TestLoading:
         assert len(widths) == len(shown) == 9
         assert all(width > 300 for width in widths)
 
-    @pytest.mark.parametrize("width", [320, 390, 1280])
+    @pytest.mark.parametrize("width", [320, 390, 1000, 1280])
     def test_it_never_scrolls_sideways_as_a_whole(self, page, width):
         page.resize(width, 800, is_phone=width < 600)
         assert page.run("document.documentElement.scrollWidth") <= width
