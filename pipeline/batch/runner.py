@@ -37,6 +37,9 @@ BATCH_S = 0.25
 
 MAX_BATCH = 1000
 
+MAX_FLYING = 5000
+"""With more jobs handed out whose results are not stored, no more are until all are: results take memory."""
+
 FLUSH_S = 0.05
 """Results that took longer are put on the disk at once; that takes milliseconds."""
 
@@ -191,6 +194,8 @@ class _Run:
         self.is_stopping = False
         # Batches handed out and not come back, by the id of their first job, oldest first.
         self.flying: dict[str, list[Job]] = {}
+        # Jobs in batches handed out, and in those that came back.
+        self.handed = self.stored = 0
         self.batch_size = 1
 
     def all(self, jobs: Sequence[Job]) -> None:
@@ -216,7 +221,6 @@ class _Run:
 
     def alone(self, job: Job) -> None:
         """Run one job with nothing beside it, so that a worker's death names its culprit."""
-        self.flying[job.job_id] = [job]
         self.stream([self.task([job])])
 
     def stream(self, tasks: Iterable[Any]) -> None:
@@ -242,17 +246,18 @@ class _Run:
             raise
 
     def task(self, batch: list[Job]) -> Any:
-        """Return what a worker is to do with a batch."""
+        """Hand out a batch: return what a worker is to do with it."""
+        self.flying[batch[0].job_id] = batch
+        self.handed += len(batch)
         parent = os.getpid() if self.options.backend == LOKY else None
         return delayed(run_batch)(batch, self.sweep_text, BATCH_S, parent)
 
     def batches(self) -> Iterator[Any]:
         """Hand out batches; called from joblib's threads, one at a time."""
-        while self.queue and not self.is_stopping:
+        while self.queue and not self.is_stopping and self.handed - self.stored < MAX_FLYING:
             # Towards the end batches get shorter, so that the workers finish together.
             fair = -(-len(self.queue) // (2 * self.options.workers))
             batch = [self.queue.popleft() for _ in range(min(self.batch_size, fair))]
-            self.flying[batch[0].job_id] = batch
             yield self.task(batch)
 
     def take(self, results: list[Result], left: list[Job]) -> None:
@@ -261,9 +266,10 @@ class _Run:
             self.keep(result)
         sync(self.folder.jobs)
         del self.flying[results[0].job_id]
+        self.stored += len(results) + len(left)
         self.queue.extend(left)
         mean = sum(result.seconds for result in results) / len(results)
-        fitting = int(BATCH_S / max(mean, BATCH_S / MAX_BATCH))
+        fitting = len(results) if left else int(BATCH_S / max(mean, BATCH_S / MAX_BATCH))
         self.batch_size = max(1, min(2 * self.batch_size, fitting))
         self.progress.show()
 
@@ -293,6 +299,7 @@ class _Run:
         named = getattr(death, "jobs", None)
         flying = list(self.flying.values())
         self.flying.clear()
+        self.handed = self.stored = 0
         suspects: list[Job] = []
         others: list[Job] = []
         for batch in flying:

@@ -5,6 +5,7 @@ import os
 import pty
 import shutil
 import subprocess
+import time
 from contextlib import contextmanager
 
 import pyarrow.parquet as pq
@@ -13,6 +14,7 @@ from conftest import wait_until
 
 from pipeline.batch import aggregate, runner
 from pipeline.batch.job import needs_compiling
+from pipeline.batch.store import write_atomic
 from pipeline.sweep import read_sweep
 
 
@@ -315,6 +317,23 @@ def test_a_workers_arrays_and_loops_have_one_thread(bench):
     bench.sweep("threads", 2)
     bench.run()
     assert bench.solved() == {f"{name}_NUM_THREADS=1": 2 for name in ("OMP", "OPENBLAS", "NUMBA")}
+
+
+def test_results_do_not_pile_up_before_a_slow_disk(bench, monkeypatch):
+    monkeypatch.setattr(runner, "MAX_BATCH", 2)
+    monkeypatch.setattr(runner, "MAX_FLYING", 6)
+    ahead = []
+
+    def slowly(path, *rest, **options):
+        time.sleep(0.02)
+        ahead.append(sum(bench.solved().values()) - len(bench.job_files()))
+        write_atomic(path, *rest, **options)
+
+    monkeypatch.setattr(runner, "write_atomic", slowly)
+    bench.sweep("two_optima", 40)
+    bench.run()
+    assert set(bench.solved().values()) == {1} and len(ahead) == 40
+    assert max(ahead) < 6 + 2
 
 
 class TestCompiling:
