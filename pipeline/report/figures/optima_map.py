@@ -37,6 +37,10 @@ CAPTION = (
 CHEAPEST_COLOURS = 0.25
 """Part of the colour map kept off the bright end, where marks would fade into the paper."""
 
+PHASES = {"o": "in antiphase", "^": "in phase", "s": "between"}
+SHARP = 0.01
+"""Marker -> phase; a phase nearer than this to ½ or 0 counts as that."""
+
 
 def describe(pair: pd.DataFrame) -> str:
     """Say in words what the figure shows."""
@@ -103,16 +107,16 @@ def draw(pair: pd.DataFrame) -> Figure:
     panels[1, 0].set_ylabel("z/$h_L$, up")
     panels[0, 0].margins(x=0.06, y=0.12)
     panels[1, 0].margins(y=0.12)
-    _legend(figure)
+    _legend(figure, _markers(pair))
     return figure
 
 
 def _draw_plane(axes: Axes, rows: pd.DataFrame, second: str, unit: float, norm: Normalize) -> None:
     x, y = rows["x_m"] / (rows["speed_m_s"] * rows["period_s"]), rows[second] / unit
-    lag = np.abs(rows["phase"] - 0.5)
-    kinds = (("o", lag < 0.01), ("^", lag > 0.49), ("s", (lag >= 0.01) & (lag <= 0.49)))
+    markers = _markers(rows)
     axes.plot(0.0, 0.0, "D", color=LEADER, markersize=5)
-    for marker, chosen in kinds:
+    for marker in PHASES:
+        chosen = markers == marker
         if chosen.any():
             axes.scatter(
                 x[chosen],
@@ -141,7 +145,13 @@ def _draw_plane(axes: Axes, rows: pd.DataFrame, second: str, unit: float, norm: 
     )
 
 
-def _legend(figure: Figure) -> None:
+def _markers(rows: pd.DataFrame) -> np.ndarray:
+    """Return the marker of each optimum, which tells its phase."""
+    lag = np.abs(rows["phase"].to_numpy(float) - 0.5)
+    return np.where(lag < SHARP, "o", np.where(lag > 0.5 - SHARP, "^", "s"))
+
+
+def _legend(figure: Figure, markers: np.ndarray) -> None:
     dot: dict[str, Any] = {
         "linestyle": "none",
         "markerfacecolor": FAINT,
@@ -150,8 +160,11 @@ def _legend(figure: Figure) -> None:
     }
     entries = [
         Line2D([], [], marker="D", color=LEADER, linestyle="none", label="leader"),
-        Line2D([], [], marker="o", label="in antiphase", **dot),
-        Line2D([], [], marker="^", label="in phase", **dot),
+        *(
+            Line2D([], [], marker=marker, label=PHASES[marker], **dot)
+            for marker in PHASES
+            if marker in markers
+        ),
         Line2D(
             [],
             [],
@@ -173,4 +186,4 @@ def _legend(figure: Figure) -> None:
             label="best of all",
         ),
     ]
-    figure.legend(handles=entries, loc="outside lower center", ncols=5)
+    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))
