@@ -1,7 +1,7 @@
-"""Renew the tables of docs/comparison.md from results of the sweeps cross-species, uncertainty and sensitivity.
+"""Renew the tables and the figure of docs/comparison.md from results of three sweeps.
 
-Run and aggregate the three (cross-species last, so that it finds its samples), then name the folder that holds
-them:
+They are cross-species, uncertainty and sensitivity. Run and aggregate them (cross-species last, so that it finds
+its samples), then name the folder that holds the results:
 
     python tests/renew_comparison.py results
 
@@ -15,6 +15,8 @@ from pathlib import Path
 import pandas as pd
 
 from pipeline.report.comparison import OBJECTIVES
+from pipeline.report.figures.catalogue import draw
+from pipeline.report.figures.drawing import save
 from pipeline.report.mechanism import STATEMENTS
 from pipeline.report.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
 from pipeline.report.sources import common_name
@@ -22,6 +24,7 @@ from pipeline.report.species_tables import NO_V, SAVING, with_interval
 from pipeline.report.table import Table
 
 PAGE = Path(__file__).parents[1] / "docs" / "comparison.md"
+FIGURE = "species-saving"
 PROBLEMS = [
     (objective, convention) for objective in OBJECTIVES for convention in ("stroke-angle", "strouhal")
 ]
@@ -138,7 +141,7 @@ def between(name: str) -> re.Pattern[str]:
 
 
 def main(results: str) -> None:
-    """Put the tables of a folder of results into the page."""
+    """Put the tables of a folder of results into the page, and the figure beside it."""
     text = PAGE.read_text(encoding="utf-8")
     for name, table in tables(Path(results)).items():
         # An interval is not broken over two lines.
@@ -147,6 +150,7 @@ def main(results: str) -> None:
         if count != 1:
             sys.exit(f"{PAGE}: expected one table named {name}, found {count}; mark its place")
     PAGE.write_text(text, encoding="utf-8")
+    save(draw(FIGURE, Path(results) / "cross-species"), PAGE.with_name(f"{FIGURE}.png"))
 
 
 if __name__ == "__main__":
