@@ -23,7 +23,7 @@ from pipeline.optimum.quadratic import MOST_INEQUALITIES, solve_quadratic
 SCALE = np.array([0.3, 0.3, 0.3, 0.3, 0.1, 0.25])
 """Lengths over which the six variables matter alike, in scaled variables; the trust region is a box of this shape."""
 
-MOST_ITERATIONS = 80
+MOST_ITERATIONS = 400
 EQUALITY_WEIGHT = 1e5
 EDGE_WEIGHT = 1e2
 LEAST_CURVATURE = 1e-7

@@ -28,7 +28,7 @@ from pipeline.optimum.problem import VARIABLES, PairProblem
 from pipeline.optimum.search import SAME_BASIN, Basin, Search
 from pipeline.optimum.solution import V_LABELS, PairSolution, Proof, describe_optimum, labels
 
-STARTS = 80
+STARTS = 120
 """Default number of starts in each kind of place."""
 
 MOST_PROOFS = 8
