@@ -226,7 +226,7 @@ def show(results: str, job: str, as_json: bool) -> None:
 
     \b
     Example:
-      upwash show results/reproduce 8bda
+      upwash show results/reproduce 20f1
     """
     from pipeline.batch.compare import COLUMNS
     from pipeline.batch.folder import ResultsFolder
@@ -270,7 +270,7 @@ def rerun(results: str, job: str, as_json: bool) -> None:
 
     \b
     Example:
-      upwash rerun results/reproduce 8bda
+      upwash rerun results/reproduce 20f1
     """
     from pipeline.batch.compare import compare
     from pipeline.batch.folder import ResultsFolder

@@ -7,7 +7,7 @@ import json
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-MODEL_VERSION = 1
+MODEL_VERSION = 2
 """Raised by hand when a change of the code changes results: every job then gets a new id."""
 
 BUILT_IN_SOLVER = "upwash"

@@ -27,7 +27,7 @@ INPUTS = [c.name for c in of.INPUTS if c.type == of.FLOAT]
 @pytest.fixture
 def rows(reproduced):
     """The optima of the paper's pair, for force."""
-    return rows_of(ResultsFolder(reproduced), "8bda")
+    return rows_of(ResultsFolder(reproduced), "20f1")
 
 
 def tampered(reproduced, folder, change, name="solutions.parquet"):

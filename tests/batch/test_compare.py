@@ -87,11 +87,11 @@ class TestDiff:
 
 class TestShow:
     def test_a_job_by_the_beginning_of_its_id(self, bench, reproduced):
-        out, _ = bench("show", str(reproduced), "8bda")
+        out, _ = bench("show", str(reproduced), "20f1")
         lines = {line.split()[0]: line.split()[1:] for line in out.splitlines()}
         assert lines["mass_kg"] == ["1.3", "kg"]
         assert lines["objective"] == ["force"]
-        rows = json.loads(bench("show", str(reproduced), "8bda", "--json")[0])
+        rows = json.loads(bench("show", str(reproduced), "20f1", "--json")[0])
         assert [row["rank"] for row in rows] == list(range(len(rows)))
         assert len([line for line in out.splitlines() if line.endswith(("astern", "abreast"))]) == len(rows)
 
@@ -102,7 +102,7 @@ class TestShow:
         shown = "".join(bench("show", "results/sweep", job)[0] for job in failed)
         assert "ZeroDivisionError: a bird too heavy" in shown
 
-    @pytest.mark.parametrize("beginning", ["", "zz", "8bda9bd5771749d9x", "../plan"])
+    @pytest.mark.parametrize("beginning", ["", "zz", "20f1cc3353d94ba4x", "../plan"])
     def test_no_such_job(self, bench, reproduced, beginning):
         _, said = bench("show", str(reproduced), beginning, code=2)
         assert len(said.splitlines()) == 1 and "expected one job whose id begins with" in said
@@ -119,7 +119,7 @@ class TestShow:
 class TestRerun:
     def test_a_stored_job_repeats_from_its_own_inputs_alone(self, bench, reproduced):
         before = {path: path.stat().st_mtime_ns for path in reproduced.rglob("*")}
-        out, said = bench("rerun", str(reproduced), "8bda")
+        out, said = bench("rerun", str(reproduced), "20f1")
         assert out == "" and "agree in" in said
         assert before == {path: path.stat().st_mtime_ns for path in reproduced.rglob("*")}
 
