@@ -14,9 +14,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from upwash.batch.columns import INTEGER, TEXT, Column
+from upwash.batch.store import schema_of
+
 from benchmarks.record import in_words
-from pipeline.batch.columns import INTEGER, TEXT, Column
-from pipeline.batch.store import schema_of
 
 SHARES = (0.1, 0.3, 1.0)
 """Sizes of the sweeps, over that of the largest."""
@@ -40,7 +41,7 @@ STEPS = {
 METER = """\
 import json, resource, subprocess, sys, time
 begun = time.perf_counter()
-command = [sys.executable, "-c", "from pipeline.cli import main; main()", *sys.argv[1:]]
+command = [sys.executable, "-c", "from upwash.cli import main; main()", *sys.argv[1:]]
 told = subprocess.run(command, stdout=subprocess.DEVNULL)
 time_s, used = time.perf_counter() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
 processor_s, memory_mb = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024.0

@@ -10,10 +10,10 @@ import tempfile
 from pathlib import Path
 
 import pandas as pd
+from upwash.sweep.file import find_sweep
 
 from benchmarks import machine
 from benchmarks.batch_scale import measured
-from pipeline.sweep.file import find_sweep
 
 PROMISED_S = 60.0
 """On two workers, the sweep takes less."""

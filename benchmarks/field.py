@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 from numba import njit
+from upwash.aero.induction import FOUR_PI, filament_velocity, fill_velocity, velocity
+from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 
 from benchmarks.contest import Contender, Contest
-from pipeline.aero.induction import FOUR_PI, filament_velocity, fill_velocity, velocity
-from pipeline.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 
 POINTS = 100_000
 SEMISPAN_M = 0.6

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from upwash.aero.field_map import force_map
+from upwash.aero.interaction import net_force
 
 from benchmarks.contest import Contender, Contest
 from benchmarks.wake_force import IBIS, PLACE, numpy_force
-from pipeline.aero.field_map import force_map
-from pipeline.aero.interaction import net_force
 
 SIZE = 1000
 SIDE_OF_PEERS = 20

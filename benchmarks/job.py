@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+from upwash.optimum import solve_pair
+from upwash.optimum.certify import certify
+from upwash.optimum.evidence import gather_evidence
+from upwash.optimum.pieces import STARTS
+from upwash.optimum.problem import PairProblem
+from upwash.optimum.search import Search
 
 from benchmarks.contest import Contender, Contest
 from benchmarks.local_solve import Model, scipy_slsqp
 from benchmarks.wake_force import IBIS
-from pipeline.optimum import solve_pair
-from pipeline.optimum.certify import certify
-from pipeline.optimum.evidence import gather_evidence
-from pipeline.optimum.pieces import STARTS
-from pipeline.optimum.problem import PairProblem
-from pipeline.optimum.search import Search
 
 TOLERANCE = 1e-4
 STARTS_WITHOUT_PROOF = 300

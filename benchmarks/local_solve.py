@@ -13,12 +13,12 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
+from upwash.optimum.local import SCALE
+from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.search import Search
 
 from benchmarks.contest import Contender, Contest
 from benchmarks.wake_force import IBIS
-from pipeline.optimum.local import SCALE
-from pipeline.optimum.problem import CORE2, PairProblem, evaluate
-from pipeline.optimum.search import Search
 
 STARTS = 50
 BALANCED = 1e-8

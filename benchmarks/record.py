@@ -7,10 +7,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pyarrow as pa
+from upwash.batch.columns import INTEGER, TEXT, Column
+from upwash.batch.store import code_version, encode, schema_of, write_atomic
 
 from benchmarks import machine
-from pipeline.batch.columns import INTEGER, TEXT, Column
-from pipeline.batch.store import code_version, encode, schema_of, write_atomic
 
 SCHEMA = schema_of(
     [

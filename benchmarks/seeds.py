@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
+from upwash.aero.bird import Bird
+from upwash.batch.columns import INTEGER, TEXT, TRUTH, Column
+from upwash.batch.store import schema_of
+from upwash.optimum import PairSolution, solve_pair
 
 from benchmarks.wake_force import IBIS
-from pipeline.aero.bird import Bird
-from pipeline.batch.columns import INTEGER, TEXT, TRUTH, Column
-from pipeline.batch.store import schema_of
-from pipeline.optimum import PairSolution, solve_pair
 
 PARTS = ("seeds", "birds")
 OBJECTIVES = ("force", "power")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
+from upwash.aero.bird import Bird
+from upwash.aero.interaction import phase_piece, phase_weights, wake_force
+from upwash.aero.lanes import wake_force_jacobian, wake_lanes
+from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 
 from benchmarks.contest import Contender, Contest
 from benchmarks.field import numpy_plain
-from pipeline.aero.bird import Bird
-from pipeline.aero.interaction import phase_piece, phase_weights, wake_force
-from pipeline.aero.lanes import wake_force_jacobian, wake_lanes
-from pipeline.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 
 IBIS = Bird(
     mass_kg=1.3,

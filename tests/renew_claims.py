@@ -9,14 +9,13 @@ import re
 from pathlib import Path
 
 import pandas as pd
-
-from pipeline.batch.columns import FLOAT
-from pipeline.batch.job import run_job
-from pipeline.batch.store import ROWS, table_of
-from pipeline.report.claims import CLAIM_COLUMNS, gather_evidence, judge_claims
-from pipeline.report.claims.evidence import FLOCKS, SPEEDS
-from pipeline.report.claims.ledger import NOISE, counts, ledger_markdown
-from pipeline.sweep import read_sweep
+from upwash.batch.columns import FLOAT
+from upwash.batch.job import run_job
+from upwash.batch.store import ROWS, table_of
+from upwash.report.claims import CLAIM_COLUMNS, gather_evidence, judge_claims
+from upwash.report.claims.evidence import FLOCKS, SPEEDS
+from upwash.report.claims.ledger import NOISE, counts, ledger_markdown
+from upwash.sweep import read_sweep
 
 ROOT = Path(__file__).parents[1]
 LEDGER = ROOT / "results" / "reference" / "claims.csv"

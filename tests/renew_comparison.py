@@ -13,15 +13,14 @@ import sys
 from pathlib import Path
 
 import pandas as pd
-
-from pipeline.report.comparison import OBJECTIVES
-from pipeline.report.figures.catalogue import draw
-from pipeline.report.figures.drawing import save
-from pipeline.report.mechanism import STATEMENTS
-from pipeline.report.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
-from pipeline.report.sources import common_name
-from pipeline.report.species_tables import NO_V, SAVING, with_interval
-from pipeline.report.table import Table
+from upwash.report.comparison import OBJECTIVES
+from upwash.report.figures.catalogue import draw
+from upwash.report.figures.drawing import save
+from upwash.report.mechanism import STATEMENTS
+from upwash.report.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
+from upwash.report.sources import common_name
+from upwash.report.species_tables import NO_V, SAVING, with_interval
+from upwash.report.table import Table
 
 PAGE = Path(__file__).parents[1] / "docs" / "comparison.md"
 FIGURE = "species-saving"

@@ -12,9 +12,8 @@ from pathlib import Path
 
 import pandas as pd
 import pyarrow as pa
-
-from pipeline.batch.compare import COLUMNS
-from pipeline.batch.store import SUMMARY, read_table
+from upwash.batch.compare import COLUMNS
+from upwash.batch.store import SUMMARY, read_table
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "results" / "reference"
@@ -22,7 +21,7 @@ README = ROOT / "README.md"
 PICTURE = ROOT / "docs" / "optimal-position.png"
 BLOCK = re.compile(r"(?<=<!-- reproduce: begin -->\n```text\n).*(?=```\n<!-- reproduce: end -->)", re.DOTALL)
 
-COMMAND = [sys.executable, "-c", "from pipeline.cli import main; main(prog_name='upwash')", "reproduce"]
+COMMAND = [sys.executable, "-c", "from upwash.cli import main; main(prog_name='upwash')", "reproduce"]
 
 
 def as_csv(summary: pa.Table) -> str:

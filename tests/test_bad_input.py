@@ -4,10 +4,9 @@ import subprocess
 import sys
 
 import pytest
+from upwash.species.library import LIBRARY_FOLDER
 
-from pipeline.species.library import LIBRARY_FOLDER
-
-COMMAND = [sys.executable, "-c", "from pipeline.cli import main; main(prog_name='upwash')"]
+COMMAND = [sys.executable, "-c", "from upwash.cli import main; main(prog_name='upwash')"]
 IBIS = (LIBRARY_FOLDER / "northern-bald-ibis.toml").read_text(encoding="utf-8")
 SWEEP = 'species = "northern-bald-ibis"\n'
 

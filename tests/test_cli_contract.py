@@ -7,11 +7,10 @@ import types
 
 import click
 import pytest
+import upwash
 from click.testing import CliRunner
-
-import pipeline
-from pipeline import cli
-from pipeline.errors import CheckFailed, UpwashError
+from upwash import cli
+from upwash.errors import CheckFailed, UpwashError
 
 HEAVY = {"duckdb", "jinja2", "matplotlib", "numba", "numpy", "pandas", "pyarrow", "scipy"}
 NAMES = sorted(name for commands in cli.COMMANDS.values() for name in commands)
@@ -30,7 +29,7 @@ def run_command(monkeypatch):
     """Return a function that runs a stand-in command `probe` with the body given, as a user would."""
 
     def run(body):
-        module = types.ModuleType("pipeline.cli.stand_in")
+        module = types.ModuleType("upwash.cli.stand_in")
         module.probe = click.command("probe")(body)
         monkeypatch.setitem(sys.modules, module.__name__, module)
         monkeypatch.setitem(cli.COMMANDS, "Tests", {"probe": ("stand_in", "A stand-in.")})
@@ -49,16 +48,16 @@ def failing_with(error):
 class TestStartsAtOnce:
     def test_help_imports_nothing_heavy(self):
         assert (
-            heavy_modules_after("from pipeline.cli import main\nmain(['--help'], standalone_mode=False)")
+            heavy_modules_after("from upwash.cli import main\nmain(['--help'], standalone_mode=False)")
             == set()
         )
 
     @pytest.mark.parametrize("module", MODULES)
     def test_a_command_module_imports_nothing_heavy_until_it_works(self, module):
-        assert heavy_modules_after(f"import pipeline.cli.{module}") == set()
+        assert heavy_modules_after(f"import upwash.cli.{module}") == set()
 
     def test_importing_the_package_imports_nothing_heavy(self):
-        assert heavy_modules_after("import pipeline") == set()
+        assert heavy_modules_after("import upwash") == set()
 
 
 class TestHelp:
@@ -80,7 +79,7 @@ class TestHelp:
     def test_version_is_the_package_version(self):
         assert (
             CliRunner().invoke(cli.main, ["--version"], prog_name="upwash").output
-            == f"upwash {pipeline.__version__}\n"
+            == f"upwash {upwash.__version__}\n"
         )
 
 
@@ -115,7 +114,7 @@ class TestMistakes:
 def test_a_reader_that_leaves_early_is_no_error():
     reading, writing = os.pipe()
     os.close(reading)
-    script = "from pipeline.cli import main; main(['--help'])"
+    script = "from upwash.cli import main; main(['--help'])"
     finished = subprocess.run(
         [sys.executable, "-c", script], stdout=writing, stderr=subprocess.PIPE, text=True
     )
@@ -125,8 +124,8 @@ def test_a_reader_that_leaves_early_is_no_error():
 
 class TestPackage:
     def test_offers_its_public_names(self):
-        assert all(getattr(pipeline, name) is not None for name in pipeline.__all__)
+        assert all(getattr(upwash, name) is not None for name in upwash.__all__)
 
     def test_an_unknown_name_is_an_attribute_error(self):
         with pytest.raises(AttributeError, match="no_such_name"):
-            pipeline.no_such_name  # noqa: B018
+            upwash.no_such_name  # noqa: B018

@@ -7,16 +7,15 @@ import sys
 from pathlib import Path
 
 import pytest
+import upwash
 
-import pipeline
-
-PACKAGE = Path(pipeline.__file__).parent
+PACKAGE = Path(upwash.__file__).parent
 
 
 @pytest.fixture
 def small_package(tmp_path):
     """Make a package with this one's cache and two compiled functions, one calling the other across files."""
-    rooms = tmp_path / "pipeline" / "aero"
+    rooms = tmp_path / "upwash" / "aero"
     rooms.mkdir(parents=True)
     for name in ("__init__.py", "compiled_cache.py"):
         shutil.copy(PACKAGE / name, rooms.parent / name)
@@ -24,7 +23,7 @@ def small_package(tmp_path):
         "from numba import njit\n\n@njit(cache=True)\ndef inner(x):\n    return x + 1\n"
     )
     (rooms / "outer.py").write_text(
-        "from numba import njit\nfrom pipeline.aero.inner import inner\n\n"
+        "from numba import njit\nfrom upwash.aero.inner import inner\n\n"
         "@njit(cache=True)\ndef outer(x):\n    return 10 * inner(x)\n"
     )
     return rooms
@@ -33,7 +32,7 @@ def small_package(tmp_path):
 def run_outer(small_package, **environment):
     """Call the outer function in a fresh process; return its result, cache hits, and the cache's path."""
     script = (
-        "from pipeline.aero.outer import outer\n"
+        "from upwash.aero.outer import outer\n"
         "print(outer(1), sum(outer.stats.cache_hits.values()), outer.stats.cache_path)"
     )
     inherited = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
@@ -65,7 +64,7 @@ def test_the_users_own_folder_is_respected(small_package, tmp_path):
 
 
 def test_numba_uses_the_folder_even_when_it_was_imported_first(small_package):
-    script = "import numba, pipeline; print(numba.config.CACHE_DIR)"
+    script = "import numba, upwash; print(numba.config.CACHE_DIR)"
     where = {
         "cwd": small_package.parents[1],
         "env": {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"},

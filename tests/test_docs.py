@@ -14,8 +14,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-
-from pipeline.batch.columns import (
+from upwash.batch.columns import (
     FLOCK_COLUMNS,
     FLOCK_SUMMARY_COLUMNS,
     SOLUTIONS_COLUMNS,
@@ -23,9 +22,9 @@ from pipeline.batch.columns import (
     TEXT,
     TRUTH,
 )
-from pipeline.cli import main
-from pipeline.species.library import find_species
-from pipeline.sweep import read_sweep
+from upwash.cli import main
+from upwash.species.library import find_species
+from upwash.sweep import read_sweep
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -154,14 +153,16 @@ def test_every_column_of_the_results_is_in_the_nomenclature_once_with_its_unit()
 def equations():
     """Return the nomenclature's equation labels, each with the dotted name of what implements it."""
     page = (DOCS / "nomenclature.md").read_text(encoding="utf-8")
-    return re.findall(r"^\| `([^`]+)` \|[^|]+\| `(pipeline\.[^`]+)` \|$", page, flags=re.M)
+    return re.findall(r"^\| `([^`]+)` \|[^|]+\| `(upwash\.[^`]+)` \|$", page, flags=re.M)
 
 
 @pytest.mark.parametrize(("label", "home"), equations())
 def test_an_equation_of_the_paper_is_named_once_where_it_is_implemented(label, home):
     package, room, stem, name = home.split(".")[:4]
     assert hasattr(importlib.import_module(f"{package}.{room}.{stem}"), name)
-    sources = [path for room in ("aero", "optimum") for path in (ROOT / "pipeline" / room).glob("*.py")]
+    sources = [
+        path for room in ("aero", "optimum") for path in (ROOT / "pipeline" / "upwash" / room).glob("*.py")
+    ]
     cited = re.compile(rf"[(\s]{re.escape(label)}[),]")
     found = [path.stem for path in sources for _ in cited.finditer(path.read_text(encoding="utf-8"))]
     assert found == [stem]

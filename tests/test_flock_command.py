@@ -4,10 +4,9 @@ import json
 
 import pytest
 from click.testing import CliRunner
-
-from pipeline.batch import columns as of
-from pipeline.cli import main
-from pipeline.sweep import read_sweep
+from upwash.batch import columns as of
+from upwash.cli import main
+from upwash.sweep import read_sweep
 
 IBIS = "northern-bald-ibis"
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-PACKAGE = Path(__file__).parents[1] / "pipeline"
+PACKAGE = Path(__file__).parents[1] / "pipeline" / "upwash"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 
-# A room is a folder or a module right below pipeline/. Each room -> the rooms that it may import from.
+# A room is a folder or a module right below the package. Each room -> the rooms that it may import from.
 MAY_IMPORT = {
     "compiled_cache": set(),
     "errors": set(),
@@ -52,31 +52,31 @@ def imports_in(source, package):
 
 def imports_of(path):
     """Return the dotted names that a module of the package imports."""
-    package = ".".join(["pipeline", *path.relative_to(PACKAGE).parts[:-1]])
+    package = ".".join(["upwash", *path.relative_to(PACKAGE).parts[:-1]])
     return imports_in(path.read_text(encoding="utf-8"), package)
 
 
 def rooms_imported_by(path):
     """Return the other rooms of the package that a module imports from."""
     parts = (name.split(".") for name in imports_of(path))
-    return {part[1] for part in parts if part[0] == "pipeline" and part[1] in MAY_IMPORT} - {room_of(path)}
+    return {part[1] for part in parts if part[0] == "upwash" and part[1] in MAY_IMPORT} - {room_of(path)}
 
 
 @pytest.mark.parametrize(
     "statement",
     [
-        "import pipeline.aero.bird",
-        "from pipeline import aero",
-        "from pipeline.aero import bird",
+        "import upwash.aero.bird",
+        "from upwash import aero",
+        "from upwash.aero import bird",
         "from .. import aero",
     ]
-    + ["from ..aero.bird import Bird", "def late():\n    from pipeline.aero.bird import Bird"],
+    + ["from ..aero.bird import Bird", "def late():\n    from upwash.aero.bird import Bird"],
 )
 def test_an_import_is_seen_however_it_is_written(statement):
-    assert any(name.startswith("pipeline.aero") for name in imports_in(statement, "pipeline.batch"))
+    assert any(name.startswith("upwash.aero") for name in imports_in(statement, "upwash.batch"))
 
 
-# pipeline/__init__.py stands above the rooms: it names what is public, and loads each name when it is used.
+# pipeline/upwash/__init__.py stands above the rooms: it names what is public, and loads each name when it is used.
 @pytest.mark.parametrize("path", [path for path in MODULES if room_of(path) != "__init__"], ids=name_of)
 def test_imports_only_from_rooms_below(path):
     assert rooms_imported_by(path) <= MAY_IMPORT[room_of(path)] | MAY_ALSO_IMPORT.get(name_of(path), set())
@@ -84,7 +84,7 @@ def test_imports_only_from_rooms_below(path):
 
 @pytest.mark.parametrize("path", [path for path in MODULES if room_of(path) == "aero"], ids=name_of)
 def test_the_physics_needs_arrays_and_a_compiler_and_no_file(path):
-    assert {name.split(".")[0] for name in imports_of(path)} <= AERO_MAY_IMPORT | {"pipeline"}
+    assert {name.split(".")[0] for name in imports_of(path)} <= AERO_MAY_IMPORT | {"upwash"}
     assert not any(
         isinstance(node, ast.Name) and node.id == "open" for node in ast.walk(ast.parse(path.read_text()))
     )

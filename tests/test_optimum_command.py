@@ -4,12 +4,11 @@ import json
 
 import pytest
 from click.testing import CliRunner
-
-from pipeline.batch import columns as of
-from pipeline.cli import main
-from pipeline.errors import UpwashError
-from pipeline.sweep import read_sweep
-from pipeline.sweep.single import single_job
+from upwash.batch import columns as of
+from upwash.cli import main
+from upwash.errors import UpwashError
+from upwash.sweep import read_sweep
+from upwash.sweep.single import single_job
 
 IBIS = "northern-bald-ibis"
 
@@ -102,7 +101,7 @@ class TestTakes:
         assert read_sweep(sweep).jobs[0].job_id == same.job_id
 
     def test_a_path_is_a_species(self, tmp_path):
-        from pipeline.species.library import LIBRARY_FOLDER
+        from upwash.species.library import LIBRARY_FOLDER
 
         path = tmp_path / "my-bird.toml"
         path.write_text((LIBRARY_FOLDER / f"{IBIS}.toml").read_text(encoding="utf-8"), encoding="utf-8")

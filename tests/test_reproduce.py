@@ -12,12 +12,11 @@ import pytest
 from click.testing import CliRunner
 from renew_claims import kept
 from renew_reference import BLOCK, COMMAND, README, REFERENCE, as_csv
-
-from pipeline.batch.store import SOLUTIONS, SUMMARY, TableWriter, metadata_of, read_table
-from pipeline.cli import main
-from pipeline.cli import reproduce as module
-from pipeline.report.claims.ledger import counts, tally
-from pipeline.report.figures import FIGURES
+from upwash.batch.store import SOLUTIONS, SUMMARY, TableWriter, metadata_of, read_table
+from upwash.cli import main
+from upwash.cli import reproduce as module
+from upwash.report.claims.ledger import counts, tally
+from upwash.report.figures import FIGURES
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +35,7 @@ def results(fresh, tmp_path):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Leave the figures that are there already, to save time where they do not matter."""
-    monkeypatch.setattr("pipeline.report.page.draw_figures", lambda sources, folder: [])
+    monkeypatch.setattr("upwash.report.page.draw_figures", lambda sources, folder: [])
 
 
 @pytest.fixture

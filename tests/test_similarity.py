@@ -3,9 +3,8 @@
 from dataclasses import replace
 
 import pytest
-
-from pipeline import load_species, solve_pair
-from pipeline.aero.bird import Bird
+from upwash import load_species, solve_pair
+from upwash.aero.bird import Bird
 
 MASS_RATIO = 100.0
 SCALED_LIKE_LENGTH = ("x_m", "y_m", "z_m", "amplitude_m")

@@ -6,11 +6,10 @@ import re
 
 import pytest
 from click.testing import CliRunner
-
-from pipeline.cli import main
-from pipeline.species import load_library, load_species
-from pipeline.species.library import LIBRARY_FOLDER
-from pipeline.species.quantity import QUANTITIES
+from upwash.cli import main
+from upwash.species import load_library, load_species
+from upwash.species.library import LIBRARY_FOLDER
+from upwash.species.quantity import QUANTITIES
 
 LIBRARY = {species.slug: species for species in load_library()}
 

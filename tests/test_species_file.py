@@ -7,12 +7,11 @@ import re
 
 import pytest
 from click.testing import CliRunner
-
-from pipeline.cli import main
-from pipeline.errors import UpwashError
-from pipeline.species import load_species
-from pipeline.species.library import LIBRARY_FOLDER
-from pipeline.species.quantity import QUANTITIES
+from upwash.cli import main
+from upwash.errors import UpwashError
+from upwash.species import load_species
+from upwash.species.library import LIBRARY_FOLDER
+from upwash.species.quantity import QUANTITIES
 
 IBIS = (LIBRARY_FOLDER / "northern-bald-ibis.toml").read_text(encoding="utf-8")
 GOOSE = (LIBRARY_FOLDER / "greylag-goose.toml").read_text(encoding="utf-8")

@@ -5,15 +5,14 @@ import math
 from pathlib import Path
 
 import pytest
-
-from pipeline.aero.bird import Bird
-from pipeline.errors import UpwashError
-from pipeline.species import AMPLITUDE_CONVENTIONS, ImpossibleAmplitude, load_library, load_species, slug_of
-from pipeline.species.allometry import RULES, nudds_half_angle_deg, pennycuick_frequency_hz
-from pipeline.species.caveats import comparison_caveats, species_caveats
-from pipeline.species.groups import GROUPS, outside
-from pipeline.species.library import LIBRARY_FOLDER
-from pipeline.species.quantity import BASES, QUANTITIES
+from upwash.aero.bird import Bird
+from upwash.errors import UpwashError
+from upwash.species import AMPLITUDE_CONVENTIONS, ImpossibleAmplitude, load_library, load_species, slug_of
+from upwash.species.allometry import RULES, nudds_half_angle_deg, pennycuick_frequency_hz
+from upwash.species.caveats import comparison_caveats, species_caveats
+from upwash.species.groups import GROUPS, outside
+from upwash.species.library import LIBRARY_FOLDER
+from upwash.species.quantity import BASES, QUANTITIES
 
 LIBRARY = {species.slug: species for species in load_library()}
 IBIS = LIBRARY["northern-bald-ibis"]

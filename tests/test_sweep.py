@@ -4,11 +4,10 @@ import math
 from collections import Counter
 
 import pytest
-
-from pipeline.errors import UpwashError
-from pipeline.species import load_species
-from pipeline.sweep import file, read_sweep
-from pipeline.sweep.toml_lines import key_lines, line_of
+from upwash.errors import UpwashError
+from upwash.species import load_species
+from upwash.sweep import file, read_sweep
+from upwash.sweep.toml_lines import key_lines, line_of
 
 IBIS = 'species = "northern-bald-ibis"\n'
 

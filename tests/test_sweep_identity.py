@@ -8,9 +8,8 @@ import sys
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from pipeline.sweep import Job
-from pipeline.sweep.job import INPUTS, canonical_text, job_id
+from upwash.sweep import Job
+from upwash.sweep.job import INPUTS, canonical_text, job_id
 
 INPUT = {
     "kind": "pair",
@@ -88,7 +87,7 @@ def test_text_cannot_pose_as_another_input(species, objective):
 
 
 def test_another_process_gives_the_same_id():
-    script = f"from pipeline.sweep import Job; print(Job(**{INPUT!r}).job_id)"
+    script = f"from upwash.sweep import Job; print(Job(**{INPUT!r}).job_id)"
     told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert told.stdout.strip() == Job(**INPUT).job_id
 

@@ -7,11 +7,10 @@ import sys
 
 import pytest
 from click.testing import CliRunner
-
-from pipeline.cli import main
-from pipeline.errors import UpwashError
-from pipeline.sweep import read_sweep
-from pipeline.sweep.file import SWEEP_FOLDER
+from upwash.cli import main
+from upwash.errors import UpwashError
+from upwash.sweep import read_sweep
+from upwash.sweep.file import SWEEP_FOLDER
 
 IBIS = 'species = "northern-bald-ibis"\n'
 SWAN = (SWEEP_FOLDER.parent / "species" / "mute-swan.toml").read_text()
@@ -258,7 +257,7 @@ def test_results_that_are_not_there_are_refused(tmp_path, monkeypatch, command, 
 
 def test_the_shell_sees_the_same(tmp_path):
     (tmp_path / "sweep.toml").write_text(IBIS + "[fixed]\nmass = 3\n")
-    command = [sys.executable, "-c", "from pipeline.cli import main; main()", "run", "sweep.toml"]
+    command = [sys.executable, "-c", "from upwash.cli import main; main()", "run", "sweep.toml"]
     told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert (told.returncode, told.stdout, os.listdir(tmp_path)) == (2, "", ["sweep.toml"])
     assert told.stderr == (

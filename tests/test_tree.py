@@ -61,5 +61,7 @@ def test_ci_runs_the_readmes_test_command():
 
 def test_the_release_is_named_once():
     citation = (ROOT / "CITATION.cff").read_text()
-    version = re.search(r'__version__ = "(.+)"', (ROOT / "pipeline" / "__init__.py").read_text())[1]
+    version = re.search(r'__version__ = "(.+)"', (ROOT / "pipeline" / "upwash" / "__init__.py").read_text())[
+        1
+    ]
     assert f"\nversion: {version}\n" in citation

@@ -3,8 +3,7 @@
 import math
 
 import pytest
-
-from pipeline.aero.bird import Bird
+from upwash.aero.bird import Bird
 
 # The paper's northern bald ibis; the amplitude is that of a stroke half-angle of 60 degrees.
 IBIS = {

@@ -8,8 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
-
-from pipeline.aero.induction import filament_velocity
+from upwash.aero.induction import filament_velocity
 
 from . import paper
 

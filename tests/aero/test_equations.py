@@ -5,12 +5,11 @@ import math
 from pathlib import Path
 
 import pytest
+import upwash
+from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+from upwash.aero.wake import spanwise_spacing_rule
 
-import pipeline
-from pipeline.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
-from pipeline.aero.wake import spanwise_spacing_rule
-
-PACKAGE = Path(pipeline.__file__).parent
+PACKAGE = Path(upwash.__file__).parent
 
 # Label in the source of arXiv:2602.22043: what the equation says, and the one definition that names it.
 LABELLED = {
@@ -34,7 +33,7 @@ LABELLED = {
 
 
 def definitions_naming(label):
-    """Return module, innermost definition and its docstring for each mention of a label in pipeline/."""
+    """Return module, innermost definition and its docstring for each mention of a label in the package."""
     found = []
     for path in PACKAGE.rglob("*.py"):
         source = path.read_text(encoding="utf-8")

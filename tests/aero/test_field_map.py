@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from pipeline.aero import field_map
-from pipeline.aero.field_map import COORDINATES, PLANES, force_map
-from pipeline.aero.interaction import net_force
-from pipeline.aero.wake import WakeModel
+from upwash.aero import field_map
+from upwash.aero.field_map import COORDINATES, PLANES, force_map
+from upwash.aero.interaction import net_force
+from upwash.aero.wake import WakeModel
 
 PLACE = (1.8, 0.88, -0.06, 0.3)
 STROKE = (0.75, 0.35)

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-
-from pipeline.aero.induction import ring_velocity_gradient
-from pipeline.aero.interaction import phase_piece, span_nodes, state_circulation_ratio, wake_force
-from pipeline.aero.lanes import (
+from upwash.aero.induction import ring_velocity_gradient
+from upwash.aero.interaction import phase_piece, span_nodes, state_circulation_ratio, wake_force
+from upwash.aero.lanes import (
     ALONG_X,
     ALONG_Z,
     AMPLITUDE,
@@ -29,7 +28,7 @@ from pipeline.aero.lanes import (
     wake_force_jacobian,
     wake_lanes,
 )
-from pipeline.aero.wake import WakeModel, vortex_wake
+from upwash.aero.wake import WakeModel, vortex_wake
 
 LEADER = 1.04, 0.4  # amplitude in m, upstroke span ratio
 RESOLUTIONS = [(2, 2), (2, 5), (3, 2), (3, 4), (4, 3), (5, 2)]  # stroke states, span nodes

@@ -5,8 +5,7 @@ import re
 
 import numpy as np
 import pytest
-
-from pipeline.aero.bird import Bird
+from upwash.aero.bird import Bird
 
 from .conftest import IBIS
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from pipeline.aero.interaction import phase_piece, phase_weights
+from upwash.aero.interaction import phase_piece, phase_weights
 
 from . import paper
 

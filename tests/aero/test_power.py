@@ -5,9 +5,8 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from pipeline.aero.bird import Bird
-from pipeline.aero.power import (
+from upwash.aero.bird import Bird
+from upwash.aero.power import (
     COST_FUNCTIONS,
     CostFunction,
     induced_power_w,

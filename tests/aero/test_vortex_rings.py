@@ -5,8 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-
-from pipeline.aero.induction import (
+from upwash.aero.induction import (
     BLOCK,
     FOUR_PI,
     filament_velocity,

@@ -5,9 +5,8 @@ import itertools
 import numpy as np
 import pytest
 from scipy.integrate import quad
-
-from pipeline.aero.induction import velocity
-from pipeline.aero.interaction import (
+from upwash.aero.induction import velocity
+from upwash.aero.interaction import (
     net_force,
     phase_weights,
     span_nodes,
@@ -15,7 +14,7 @@ from pipeline.aero.interaction import (
     state_forces,
     wake_force,
 )
-from pipeline.aero.wake import WakeModel, vortex_wake
+from upwash.aero.wake import WakeModel, vortex_wake
 
 from . import paper
 

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 import pytest
-
-from pipeline.aero.induction import velocity
-from pipeline.aero.wake import WakeModel, spanwise_spacing_rule, stroke_height, stroke_span, vortex_wake
+from upwash.aero.induction import velocity
+from upwash.aero.wake import WakeModel, spanwise_spacing_rule, stroke_height, stroke_span, vortex_wake
 
 from . import paper
 

@@ -14,11 +14,10 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
-
-from pipeline.cli import main
+from upwash.cli import main
 
 HERE = Path(__file__).parent
-COMMAND = [sys.executable, "-c", "from pipeline.cli import main; main()"]
+COMMAND = [sys.executable, "-c", "from upwash.cli import main; main()"]
 SWEEP = """\
 name = "sweep"
 solver = "stub_solvers:{solver}"

@@ -5,13 +5,12 @@ import json
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-
-from pipeline.batch import columns as of
-from pipeline.batch import store
-from pipeline.batch.check import of_rows
-from pipeline.batch.folder import ResultsFolder
-from pipeline.batch.lookup import rows_of
-from pipeline.batch.summary import summary_of
+from upwash.batch import columns as of
+from upwash.batch import store
+from upwash.batch.check import of_rows
+from upwash.batch.folder import ResultsFolder
+from upwash.batch.lookup import rows_of
+from upwash.batch.summary import summary_of
 
 RECOMPUTED = [
     *("weight_n", "drag_n", "lift_self_n", "thrust_self_n", "lift_wake_n", "thrust_wake_n"),
@@ -211,8 +210,8 @@ class TestFlocks:
         )
 
     def test_sweeps_know_the_choices_that_the_solver_knows(self):
-        from pipeline.optimum import flock
-        from pipeline.sweep.file import FLOCK_CHOICES
+        from upwash.optimum import flock
+        from upwash.sweep.file import FLOCK_CHOICES
 
         assert FLOCK_CHOICES == {"shape": flock.SHAPES, "wake": flock.WAKES, "reading": flock.READINGS}
 

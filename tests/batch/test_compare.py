@@ -6,9 +6,8 @@ from collections import Counter
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-
-from pipeline.batch import columns as of
-from pipeline.batch.compare import COLUMNS, excess
+from upwash.batch import columns as of
+from upwash.batch.compare import COLUMNS, excess
 
 
 def copied(reproduced, folder, change=lambda row: None):

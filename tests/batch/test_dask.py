@@ -102,7 +102,7 @@ def test_a_job_that_kills_every_worker_fails_alone(bench, cluster):
 
 
 def test_no_scheduler_is_one_clear_line(bench, monkeypatch):
-    monkeypatch.setattr("pipeline.batch.workers.CONNECT_TIMEOUT_S", 1)
+    monkeypatch.setattr("upwash.batch.workers.CONNECT_TIMEOUT_S", 1)
     bench.sweep("trivial", 2)
     _, said = bench.run("--backend", "dask", "--scheduler", "tcp://127.0.0.1:1", code=2)
     assert re.fullmatch(r"Error: --scheduler: expected a dask scheduler at 'tcp://127.0.0.1:1'.*\n", said)

@@ -11,11 +11,10 @@ from contextlib import contextmanager
 import pyarrow.parquet as pq
 import pytest
 from conftest import wait_until
-
-from pipeline.batch import aggregate, runner
-from pipeline.batch.job import needs_compiling
-from pipeline.batch.store import write_atomic
-from pipeline.sweep import read_sweep
+from upwash.batch import aggregate, runner
+from upwash.batch.job import needs_compiling
+from upwash.batch.store import write_atomic
+from upwash.sweep import read_sweep
 
 
 def test_a_second_run_does_nothing_and_a_larger_sweep_only_what_is_new(bench):

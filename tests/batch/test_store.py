@@ -11,12 +11,11 @@ import sys
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-
-from pipeline.batch import columns as of
-from pipeline.batch import store
-from pipeline.batch.job import encode, run_job
-from pipeline.errors import UpwashError
-from pipeline.sweep import Job, read_sweep
+from upwash.batch import columns as of
+from upwash.batch import store
+from upwash.batch.job import encode, run_job
+from upwash.errors import UpwashError
+from upwash.sweep import Job, read_sweep
 
 # Schema version -> digest of the names, types and units of all columns.
 FORMS = {1: "a06206cb2947ec88"}
@@ -145,7 +144,7 @@ class TestWriting:
         # A limit on the size of files stands in for the disk: writing beyond it fails half way.
         script = (
             "import resource, signal\nfrom pathlib import Path\n"
-            "from pipeline.batch.store import write_atomic\n"
+            "from upwash.batch.store import write_atomic\n"
             "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
             "resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
             "write_atomic(Path('small'), b'x' * 1000)\n"

@@ -1,8 +1,7 @@
 """The paper's ibis and its solutions, solved once for all tests of the optimum."""
 
 import pytest
-
-from pipeline import load_species, solve_pair
+from upwash import load_species, solve_pair
 
 
 @pytest.fixture(scope="session")

@@ -11,12 +11,11 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-
-from pipeline.aero.bird import Bird
-from pipeline.aero.lanes import HEIGHT, wake_force_jacobian
-from pipeline.optimum import certify, enclosure
-from pipeline.optimum.problem import CORE2, PairProblem, evaluate
-from pipeline.optimum.search import Search
+from upwash.aero.bird import Bird
+from upwash.aero.lanes import HEIGHT, wake_force_jacobian
+from upwash.optimum import certify, enclosure
+from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.search import Search
 
 IBIS = Bird(1.3, 0.6, 15.0, 0.25, 1.29, 9.8, 1.2 * math.sin(math.pi / 3.0), 0.4)
 TOLERANCE = 1e-4

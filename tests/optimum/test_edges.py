@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from pipeline.aero.lanes import HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
-from pipeline.aero.wake import WakeModel
-from pipeline.optimum.edges import FILAMENTS, distinct_edges, edge_distance, edge_pull
-from pipeline.optimum.evidence import describe_edge
-from pipeline.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.aero.lanes import HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
+from upwash.aero.wake import WakeModel
+from upwash.optimum.edges import FILAMENTS, distinct_edges, edge_distance, edge_pull
+from upwash.optimum.evidence import describe_edge
+from upwash.optimum.problem import CORE2, PairProblem, evaluate
 
 # Corner of a ring at which each of FILAMENTS begins; it ends at the next.
 CORNER = {"starting": 0, "right tip": 1, "stopping": 2, "left tip": 3}

@@ -5,11 +5,10 @@ Where a sentence of the paper is tested, the test quotes what it says of its mul
 
 import numpy as np
 import pytest
-
-from pipeline import load_species, solve_pair
-from pipeline.optimum.flock import felt_by, leader_of, row_of, side_of, solve_flock
-from pipeline.optimum.flock_solution import on_side
-from pipeline.optimum.rotation import take_turns
+from upwash import load_species, solve_pair
+from upwash.optimum.flock import felt_by, leader_of, row_of, side_of, solve_flock
+from upwash.optimum.flock_solution import on_side
+from upwash.optimum.rotation import take_turns
 
 FOLLOWERS = 5
 

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from pipeline.optimum.flock import solve_flock
-from pipeline.optimum.joint import improve_together
-from pipeline.optimum.joint_problem import JointProblem
-from pipeline.optimum.local import SCALE
+from upwash.optimum.flock import solve_flock
+from upwash.optimum.joint import improve_together
+from upwash.optimum.joint_problem import JointProblem
+from upwash.optimum.local import SCALE
 
 
 @pytest.fixture(scope="module")

@@ -3,14 +3,13 @@
 import pyarrow as pa
 import pytest
 from click.testing import CliRunner
-
-from pipeline.batch import columns as of
-from pipeline.batch.check import of_rows
-from pipeline.batch.compare import compare
-from pipeline.batch.job import solve
-from pipeline.batch.store import FLOCK, encode, provenance, table_of
-from pipeline.cli import main
-from pipeline.sweep.single import single_job
+from upwash.batch import columns as of
+from upwash.batch.check import of_rows
+from upwash.batch.compare import compare
+from upwash.batch.job import solve
+from upwash.batch.store import FLOCK, encode, provenance, table_of
+from upwash.cli import main
+from upwash.sweep.single import single_job
 
 CHOICES = [
     {"shape": "echelon", "wake": "neighbour", "reading": "immediate"},

@@ -4,14 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-
-from pipeline.aero.interaction import phase_weights, wake_force
-from pipeline.aero.lanes import wake_force_jacobian, wake_lanes
-from pipeline.aero.wake import WakeModel
-from pipeline.optimum.flock import solve_flock
-from pipeline.optimum.flock_wake import Place, flock_problems, superposed_wake
-from pipeline.optimum.pieces import solve_pieces
-from pipeline.optimum.problem import CORE2, PairProblem
+from upwash.aero.interaction import phase_weights, wake_force
+from upwash.aero.lanes import wake_force_jacobian, wake_lanes
+from upwash.aero.wake import WakeModel
+from upwash.optimum.flock import solve_flock
+from upwash.optimum.flock_wake import Place, flock_problems, superposed_wake
+from upwash.optimum.pieces import solve_pieces
+from upwash.optimum.problem import CORE2, PairProblem
 
 FIRST = Place(0, 0.0, 0.0, 0.0, 1.04, 0.4, 0.0)
 SECOND = Place(1, 1.8, 0.9, -0.1, 0.75, 0.35, 0.5)

@@ -9,9 +9,8 @@ import math
 
 import numpy as np
 import pytest
-
-from pipeline.aero.interaction import net_force
-from pipeline.aero.power import COST_FUNCTIONS
+from upwash.aero.interaction import net_force
+from upwash.aero.power import COST_FUNCTIONS
 
 
 class Follower:

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from pipeline.optimum.edges import edge_distance
-from pipeline.optimum.local import BALANCED, SCALE, SOLVED, UNBALANCED, solve_local
-from pipeline.optimum.problem import CORE2, PairProblem, evaluate
-from pipeline.optimum.search import Search
+from upwash.optimum.edges import edge_distance
+from upwash.optimum.local import BALANCED, SCALE, SOLVED, UNBALANCED, solve_local
+from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.search import Search
 
 # Near the V optimum of the ibis for force: x, y, z, h in semispans, R, |κ − ½|.
 V = np.array([3.03, 1.466, -0.1025, 1.243, 0.349, 0.0])

@@ -7,15 +7,14 @@ import sys
 from dataclasses import replace
 
 import pytest
-
-from pipeline import solve_pair
-from pipeline.aero.wake import WakeModel
-from pipeline.optimum.problem import VARIABLES
+from upwash import solve_pair
+from upwash.aero.wake import WakeModel
+from upwash.optimum.problem import VARIABLES
 
 SOLVE = """
 import json, sys
-from pipeline import solve_pair
-from pipeline.aero.bird import Bird
+from upwash import solve_pair
+from upwash.aero.bird import Bird
 print(json.dumps(solve_pair(Bird(**json.loads(sys.argv[1]))).rows()))
 """
 

@@ -4,8 +4,7 @@ Numbers on the left of each comparison are ours, those on the right are printed 
 """
 
 import pytest
-
-from pipeline.aero.interaction import net_force
+from upwash.aero.interaction import net_force
 
 LEADER_HEIGHT_M = 0.520
 """z_L = h_L/2 as Table 1 prints it; our heights are relative to the leader."""

@@ -4,11 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from pipeline.aero.interaction import net_force
-from pipeline.aero.power import COST_FUNCTIONS
-from pipeline.aero.wake import WakeModel
-from pipeline.optimum.problem import CORE2, VARIABLES, PairProblem, evaluate
+from upwash.aero.interaction import net_force
+from upwash.aero.power import COST_FUNCTIONS
+from upwash.aero.wake import WakeModel
+from upwash.optimum.problem import CORE2, VARIABLES, PairProblem, evaluate
 
 POINTS = 20
 

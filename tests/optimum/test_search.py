@@ -7,13 +7,12 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-
-from pipeline.optimum.edges import edge_distance, edge_pull
-from pipeline.optimum.evidence import gather_evidence
-from pipeline.optimum.local import SCALE
-from pipeline.optimum.problem import CORE2, PairProblem, evaluate
-from pipeline.optimum.search import NEAR_BEST, NEIGHBOURHOOD, SAME_BASIN, Basin, Search, merge_basins
-from pipeline.optimum.solution import labels
+from upwash.optimum.edges import edge_distance, edge_pull
+from upwash.optimum.evidence import gather_evidence
+from upwash.optimum.local import SCALE
+from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.search import NEAR_BEST, NEIGHBOURHOOD, SAME_BASIN, Basin, Search, merge_basins
+from upwash.optimum.solution import labels
 
 
 @pytest.fixture(scope="module")

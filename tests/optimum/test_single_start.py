@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from pipeline.optimum.problem import PairProblem
-from pipeline.optimum.single_start import paper_start, solve_from, spread_starts
+from upwash.optimum.problem import PairProblem
+from upwash.optimum.single_start import paper_start, solve_from, spread_starts
 
 
 @pytest.fixture(scope="module")

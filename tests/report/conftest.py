@@ -2,8 +2,7 @@
 
 import pandas as pd
 import pytest
-
-from pipeline.batch import columns as of
+from upwash.batch import columns as of
 
 IBIS = {
     "species": "northern-bald-ibis",

@@ -13,12 +13,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
-
-from pipeline.aero.bird import Bird
-from pipeline.batch.store import FLOCK, GATHERED, SOLUTIONS, encode, provenance
-from pipeline.cli import main
-from pipeline.errors import UpwashError
-from pipeline.report.claims import (
+from upwash.aero.bird import Bird
+from upwash.batch.store import FLOCK, GATHERED, SOLUTIONS, encode, provenance
+from upwash.cli import main
+from upwash.errors import UpwashError
+from upwash.report.claims import (
     CLAIM_COLUMNS,
     CLAIMS,
     FAILS,
@@ -33,9 +32,9 @@ from pipeline.report.claims import (
     of_print,
     of_search,
 )
-from pipeline.report.claims.claim import VERDICTS, at_least, at_most, between, near
-from pipeline.report.claims.evidence import FLOCKS, OBJECTIVES, PAPER_BIRD, READINGS, SPEEDS
-from pipeline.report.claims.ledger import ledger_markdown, ledger_text
+from upwash.report.claims.claim import VERDICTS, at_least, at_most, between, near
+from upwash.report.claims.evidence import FLOCKS, OBJECTIVES, PAPER_BIRD, READINGS, SPEEDS
+from upwash.report.claims.ledger import ledger_markdown, ledger_text
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from renew_claims import PAGE, SWEEPS, kept, page, solved
@@ -461,7 +460,7 @@ class TestEvidence:
     """Found by what was flown, not by where it is stored."""
 
     def test_the_papers_bird_is_the_librarys(self, frames):
-        from pipeline import load_species
+        from upwash import load_species
 
         assert load_species("northern-bald-ibis").bird() == PAPER_BIRD
 

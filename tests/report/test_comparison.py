@@ -8,15 +8,14 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
-
-from pipeline import load_species
-from pipeline.batch.columns import FAILED, SOLVED
-from pipeline.batch.store import SOLUTIONS
-from pipeline.cli import main
-from pipeline.report.comparison import compare, compare_objectives
-from pipeline.report.intervals import LEAST_SAMPLES, intervals, outside_of_samples
-from pipeline.report.mechanism import STATEMENTS, count_species, mechanism
-from pipeline.report.observations import (
+from upwash import load_species
+from upwash.batch.columns import FAILED, SOLVED
+from upwash.batch.store import SOLUTIONS
+from upwash.cli import main
+from upwash.report.comparison import compare, compare_objectives
+from upwash.report.intervals import LEAST_SAMPLES, intervals, outside_of_samples
+from upwash.report.mechanism import STATEMENTS, count_species, mechanism
+from upwash.report.observations import (
     ABOVE,
     AGREES,
     BELOW,
@@ -25,8 +24,8 @@ from pipeline.report.observations import (
     compare_with_observations,
     read_observations,
 )
-from pipeline.report.quantities import optima_of_jobs
-from pipeline.report.studies import study_of
+from upwash.report.quantities import optima_of_jobs
+from upwash.report.studies import study_of
 
 SPECIES = ("northern-bald-ibis", "mute-swan", "dunlin")
 SWEEP = f"""\
@@ -452,7 +451,7 @@ class TestWhichStudy:
         ],
     )
     def test_is_read_from_the_sweeps_own_text(self, text, study):
-        from pipeline.batch.folder import Plan
+        from upwash.batch.folder import Plan
 
         assert study_of(Plan("s", "pair", text, [])) == study
         assert study_of(Plan("s", "flock", text, [])) == ""

@@ -7,13 +7,12 @@ import pandas as pd
 import pytest
 import renew_comparison
 from click.testing import CliRunner
-
-from pipeline.batch.columns import INFEASIBLE, SOLVED
-from pipeline.cli import main
-from pipeline.report.comparison import compare
-from pipeline.report.mechanism import count_species, mechanism
-from pipeline.report.observations import compare_with_observations
-from pipeline.species.library import library_paths
+from upwash.batch.columns import INFEASIBLE, SOLVED
+from upwash.cli import main
+from upwash.report.comparison import compare
+from upwash.report.mechanism import count_species, mechanism
+from upwash.report.observations import compare_with_observations
+from upwash.species.library import library_paths
 
 PROBLEMS_OF_A_SPECIES = 4
 

@@ -5,15 +5,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-from pipeline.aero.interaction import net_force, state_forces
-from pipeline.aero.wake import vortex_wake
-from pipeline.errors import UpwashError
-from pipeline.report import figures, sources
-from pipeline.report.airspeed import best_speed
-from pipeline.report.comparison import compare
-from pipeline.report.field import plane_through
-from pipeline.report.figures import (
+from upwash.aero.interaction import net_force, state_forces
+from upwash.aero.wake import vortex_wake
+from upwash.errors import UpwashError
+from upwash.report import figures, sources
+from upwash.report.airspeed import best_speed
+from upwash.report.comparison import compare
+from upwash.report.field import plane_through
+from upwash.report.figures import (
     configurations,
     flock_formation,
     flock_saving,
@@ -30,10 +29,11 @@ from pipeline.report.figures import (
     species_stroke,
     speed_power,
 )
-from pipeline.report.figures.catalogue import FIGURES, arguments, save_all
-from pipeline.report.figures.drawing import tip_height
-from pipeline.report.figures.flocks import papers_flocks, series
-from pipeline.report.observations import read_observations
+from upwash.report.figures.catalogue import FIGURES, arguments, save_all
+from upwash.report.figures.drawing import tip_height
+from upwash.report.figures.flocks import papers_flocks, series
+from upwash.report.observations import read_observations
+
 from report import studies
 
 B, H, WAVELENGTH = 0.6, studies.IBIS["leader_amplitude_m"], 3.75

@@ -5,13 +5,13 @@ import re
 
 import pytest
 from renew_claims import kept
+from upwash.errors import UpwashError
+from upwash.report import figures
+from upwash.report.claims.ledger import write_claims
+from upwash.report.page import sort_key, subscripts, table_context, write_page
+from upwash.report.story import CHAPTERS
+from upwash.report.table import Table, true_minus
 
-from pipeline.errors import UpwashError
-from pipeline.report import figures
-from pipeline.report.claims.ledger import write_claims
-from pipeline.report.page import sort_key, subscripts, table_context, write_page
-from pipeline.report.story import CHAPTERS
-from pipeline.report.table import Table, true_minus
 from report import studies
 from report.browser import Browser, find_browser
 
@@ -306,7 +306,7 @@ class Saved:
 class TestWriting:
     def test_the_same_results_give_the_same_page(self, written, monkeypatch):
         before = written.read_bytes()
-        monkeypatch.setattr("pipeline.report.page.draw_figures", lambda sources, folder: [])
+        monkeypatch.setattr("upwash.report.page.draw_figures", lambda sources, folder: [])
         assert write_page(written.parent, written.parents[1] / "flock").read_bytes() == before
 
     def test_a_folder_that_is_none_is_one_line(self, tmp_path):

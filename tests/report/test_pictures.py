@@ -7,13 +7,13 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 from PIL import Image
+from upwash.aero.interaction import net_force
+from upwash.cli import main, pictures
+from upwash.report import animation
+from upwash.report.animation import Scene, half_span, own_phases, tip_track
+from upwash.report.field import field_table, plane_through
+from upwash.report.sources import best, bird_of
 
-from pipeline.aero.interaction import net_force
-from pipeline.cli import main, pictures
-from pipeline.report import animation
-from pipeline.report.animation import Scene, half_span, own_phases, tip_track
-from pipeline.report.field import field_table, plane_through
-from pipeline.report.sources import best, bird_of
 from report import studies
 
 
@@ -185,7 +185,7 @@ class TestAnimate:
 def test_page_prints_where_it_is(tmp_path, monkeypatch):
     asked = []
     monkeypatch.setattr(
-        "pipeline.report.page.write_page", lambda *results: asked.append(results) or "x/index.html"
+        "upwash.report.page.write_page", lambda *results: asked.append(results) or "x/index.html"
     )
     result = run("page", "x", "y")
     assert (result.exit_code, result.stdout, asked) == (0, "x/index.html\n", [("x", "y")])

@@ -5,14 +5,13 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-
-from pipeline.batch.columns import FAILED, INFEASIBLE, SOLVED
-from pipeline.batch.store import SOLUTIONS
-from pipeline.errors import UpwashError
-from pipeline.report.sensitivity import LEAST_POINTS, design_of, sensitivity
-from pipeline.report.species_tables import sensitivity_tables
-from pipeline.species import load_species
-from pipeline.sweep import read_sweep
+from upwash.batch.columns import FAILED, INFEASIBLE, SOLVED
+from upwash.batch.store import SOLUTIONS
+from upwash.errors import UpwashError
+from upwash.report.sensitivity import LEAST_POINTS, design_of, sensitivity
+from upwash.report.species_tables import sensitivity_tables
+from upwash.species import load_species
+from upwash.sweep import read_sweep
 
 POINTS = 128
 SWEEP = """\

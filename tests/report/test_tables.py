@@ -6,12 +6,11 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-
-from pipeline.report.answer import answer, job_record
-from pipeline.report.paper import PRINTED_VARIOUSLY, TABLE_1
-from pipeline.report.reproduction import reproduction, reproduction_record
-from pipeline.report.table import Table, cell
-from pipeline.report.tables import basins, best_optima, both_optima, printed_variously, proof, table_1
+from upwash.report.answer import answer, job_record
+from upwash.report.paper import PRINTED_VARIOUSLY, TABLE_1
+from upwash.report.reproduction import reproduction, reproduction_record
+from upwash.report.table import Table, cell
+from upwash.report.tables import basins, best_optima, both_optima, printed_variously, proof, table_1
 
 
 def column(table, name, of):

@@ -1,0 +1,185 @@
+"""The net force on a follower over a plane of positions or phases, compiled.
+
+The force is linear in the phase weights, so a plane in which the phase varies is one map for each pair of
+stroke states, weighted and added.  `upwash.aero.interaction.net_force` states it for one position.  The
+interpreter's lock is released in the loops, so threads may share out the rows of a plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike, NDArray
+
+from upwash.aero.bird import Bird
+from upwash.aero.induction import fill_velocity
+from upwash.aero.interaction import phase_weights, span_nodes, state_circulation_ratio
+from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
+
+PLANES = {"xy": "y", "xz": "z", "xk": "phase"}
+"""Each plane's second coordinate; the first is x."""
+
+COORDINATES = ("x", "y", "z", "phase")
+
+# Positions taken at a time: their coordinates and velocities stay in the second-level cache.
+BLOCK = 4096
+
+
+@dataclass(frozen=True)
+class ForceMap:
+    """Net lift and thrust over a plane.
+
+    Attributes
+    ----------
+    plane : str
+        A key of `PLANES`.
+    first : (n,) ndarray of float
+        Streamwise position x of the columns, in m.
+    second : (m,) ndarray of float
+        The other coordinate, of the rows: y or z in m, or the phase.
+    lift_n, thrust_n : (m, n) ndarray of float
+        Own and wake-induced force together, in N; thrust is positive upstream.
+    """
+
+    plane: str
+    first: NDArray[np.float64]
+    second: NDArray[np.float64]
+    lift_n: NDArray[np.float64]
+    thrust_n: NDArray[np.float64]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _add_force(positions, aside, above, per_velocity, rings, circulation, core_radius, force):
+    """Add to each position's lift and thrust what the wake's velocity at one span node gives in one state."""
+    points, wind = np.empty((BLOCK, 3)), np.empty((BLOCK, 3))
+    for first in range(0, positions.shape[0], BLOCK):
+        part = positions[first : first + BLOCK]
+        size = part.shape[0]
+        for i in range(size):
+            points[i, 0] = part[i, 0]
+            points[i, 1] = part[i, 1] + aside
+            points[i, 2] = part[i, 2] + above
+        fill_velocity(points[:size], rings, circulation, core_radius, wind[:size])
+        for i in range(size):
+            force[first + i, 0] += per_velocity * wind[i, 0]
+            force[first + i, 1] += per_velocity * wind[i, 2]
+
+
+def _weighted_wake_force(
+    bird: Bird,
+    leader: tuple[float, float],
+    positions: NDArray[np.float64],
+    stroke: tuple[float, float],
+    weights: NDArray[np.float64],
+    model: WakeModel,
+) -> NDArray[np.float64]:
+    """Return the wake force (p, 2) at positions (p, 3), with the stroke states weighed as given."""
+    states, b = model.stroke_states, bird.semispan_m
+    wake = vortex_wake(
+        leader[0],
+        leader[1],
+        b,
+        bird.wavelength_m,
+        bird.circulation_m2_s,
+        bird.circulation_ratio,
+        states,
+    )
+    force = np.zeros((positions.shape[0], 2))
+    for k in range(states):
+        fixed, flexed = stroke_span(k / states)
+        half_span = b * (fixed + flexed * stroke[1])
+        share = weights[wake.state, k]
+        # A pair of states that lasts no time costs none.
+        rings, circulation = wake.rings[share != 0.0], (wake.circulation * share)[share != 0.0]
+        own = bird.circulation_m2_s * state_circulation_ratio(bird, k, states)
+        for node, weight in zip(*span_nodes(model.span_nodes), strict=True):
+            _add_force(
+                positions,
+                half_span * node,
+                stroke[0] * stroke_height(k / states),
+                bird.density_kg_m3 * own * 2.0 * half_span * weight,
+                rings,
+                circulation,
+                model.core_radius_ratio * b,
+                force,
+            )
+    return force
+
+
+def force_map(
+    bird: Bird,
+    leader_amplitude_m: float,
+    leader_upstroke_span_ratio: float,
+    place: Sequence[float],
+    amplitude_m: float,
+    upstroke_span_ratio: float,
+    plane: str,
+    first: ArrayLike,
+    second: ArrayLike,
+    model: WakeModel | None = None,
+) -> ForceMap:
+    """Return a follower's net lift and thrust over a plane through a place.
+
+    Parameters
+    ----------
+    bird : Bird
+        The bird that sets circulation, semispan, speed and air; leader and follower share them.
+    leader_amplitude_m, leader_upstroke_span_ratio : float
+        Stroke of the leader: tip-to-tip amplitude in m, upstroke span ratio.
+    place : sequence of 4 float
+        The follower's x, y, z relative to the leader in m, and its phase; the plane's two coordinates replace
+        theirs.
+    amplitude_m, upstroke_span_ratio : float
+        Stroke of the follower.
+    plane : str
+        A key of `PLANES`: ``xy``, ``xz`` or ``xk``.
+    first, second : array_like of float
+        Coordinates of the plane: x in m; y or z in m, or the phase.
+    model : WakeModel, optional
+        Resolution; the paper's if not given.
+
+    Returns
+    -------
+    ForceMap
+        The forces.
+
+    Raises
+    ------
+    ValueError
+        If there is no such plane.
+    """
+    if plane not in PLANES:
+        raise ValueError(f"plane: expected one of {', '.join(PLANES)}, found {plane!r}")
+    model = model or WakeModel()
+    first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    leader, stroke = (leader_amplitude_m, leader_upstroke_span_ratio), (amplitude_m, upstroke_span_ratio)
+    axis = COORDINATES.index(PLANES[plane])
+    if plane == "xk":
+        positions = np.empty((first.size, 3))
+        positions[:] = place[:3]
+        positions[:, 0] = first
+        weights = np.array([phase_weights(phase, model.stroke_states) for phase in second])
+        wake = np.zeros((second.size, first.size, 2))
+        for pair in np.ndindex(weights.shape[1:]):
+            alone = np.zeros(weights.shape[1:])
+            alone[pair] = 1.0
+            force = _weighted_wake_force(bird, leader, positions, stroke, alone, model)
+            wake += weights[:, *pair, None, None] * force
+    else:
+        positions = np.empty((second.size, first.size, 3))
+        positions[:] = place[:3]
+        positions[..., 0] = first
+        positions[..., axis] = second[:, None]
+        weights = phase_weights(place[3], model.stroke_states)
+        force = _weighted_wake_force(bird, leader, positions.reshape(-1, 3), stroke, weights, model)
+        wake = force.reshape(second.size, first.size, 2)
+    return ForceMap(
+        plane,
+        first,
+        second,
+        bird.lift_n(upstroke_span_ratio) + wake[..., 0],
+        bird.thrust_n(amplitude_m, upstroke_span_ratio) + wake[..., 1],
+    )

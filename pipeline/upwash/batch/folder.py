@@ -1,0 +1,319 @@
+"""A results folder: what is in it, who may write to it, and what of it is known without opening every file.
+
+::
+
+    plan.json            the sweep's text and its jobs' ids, in order
+    jobs/<id>.parquet    one a job, until they are gathered
+    solutions.parquet    the gathered rows of this sweep's jobs (flock.parquet for flocks)
+    retired.parquet      gathered rows of jobs that the sweep no longer names, should it name them again
+    summary.parquet      one row a job
+    journal-1-of-1.csv   one line a job as it was finished: a cache of what its file says, and its checksum
+    corrupt/             files that were found damaged
+    .lock                held by whoever writes
+"""
+
+from __future__ import annotations
+
+import fcntl
+import itertools
+import json
+import os
+import re
+import shutil
+import time
+import zlib
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, NamedTuple
+
+from upwash.errors import UpwashError
+
+JOB_ID = re.compile(r"[0-9a-f]{16}")
+# `in_use` tries the lock too, for a moment; a run that meets it waits so long before it gives up.
+LOCK_PATIENCE_S = 1.0
+
+RUN = "run"
+RECENT = 200
+"""Last lines of each journal from which the rate is told."""
+
+PLAN, RETIRED, SUMMARY = "plan.json", "retired.parquet", "summary.parquet"
+GATHERED = {"pair": "solutions.parquet", "flock": "flock.parquet"}
+"""Kind of sweep -> the file that gathers its rows."""
+
+
+class Entry(NamedTuple):
+    """One line of a journal: how a job ended, and what its file must look like."""
+
+    status: str
+    seconds: float
+    size: int
+    checksum: int
+    time: float
+    cause: str
+
+
+@dataclass(frozen=True)
+class Journals:
+    """What the journals say, as text: of very many lines few are of interest, and `entry_of` reads those.
+
+    Parameters
+    ----------
+    lines : dict of str to list of str
+        Every time a job was done, in order; the last one counts.
+    recent : list of str
+        The last lines of each journal.
+    begun : list of float
+        When each run began, in seconds since 1970.
+    """
+
+    lines: dict[str, list[str]]
+    recent: list[str]
+    begun: list[float]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The sweep that a results folder is for.
+
+    Parameters
+    ----------
+    sweep, kind, text : str
+        Name, ``pair`` or ``flock``, and the file's own text.
+    jobs : list of str
+        Ids, in the order of the file.
+    """
+
+    sweep: str
+    kind: str
+    text: str
+    jobs: list[str]
+
+
+@dataclass(frozen=True)
+class Shard:
+    """Part `number` (from 1) of `count` of a sweep's jobs."""
+
+    number: int = 1
+    count: int = 1
+
+    def __str__(self) -> str:
+        return f"{self.number}-of-{self.count}"
+
+
+class ResultsFolder:
+    """A results folder by its path; nothing is read or written until asked for."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.jobs = self.path / "jobs"
+        self.corrupt = self.path / "corrupt"
+
+    def __str__(self) -> str:
+        return str(self.path)
+
+    def job_file(self, job_id: str) -> Path:
+        """Return the path of a job's own file."""
+        return self.jobs / f"{job_id}.parquet"
+
+    def create(self) -> None:
+        """Make the folder if there is none."""
+        try:
+            self.jobs.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise self.cannot("make the results folder", error) from error
+
+    def cannot(self, do_what: str, error: OSError) -> UpwashError:
+        """Build the one line that says why the folder cannot be used."""
+        remedy = "mend that, or take another folder by --results"
+        return UpwashError(f"{self.path}: expected to {do_what}, found: {error.strerror}; {remedy}")
+
+    def require(self) -> None:
+        """Complain if there are no results here."""
+        try:
+            is_folder, found = (
+                self.path.is_dir(),
+                "something else" if self.path.exists() else "no such folder",
+            )
+        except OSError as error:
+            is_folder, found = False, str(error.strerror)
+        if not is_folder:
+            remedy = "'upwash run SWEEP' makes one"
+            raise UpwashError(f"{str(self.path)!r}: expected a results folder, found {found}; {remedy}")
+        names = (PLAN, SUMMARY, *GATHERED.values())
+        if not any((self.path / name).exists() for name in names):
+            remedy = "'upwash run SWEEP' makes one"
+            raise UpwashError(f"{self.path}: expected a results folder, found no results in it; {remedy}")
+
+    # Who may write
+
+    @contextmanager
+    def locked(self, shard: Shard | None = None) -> Iterator[None]:
+        """Hold the folder: alone or, for a shard of a sweep, beside other shards.
+
+        The system releases the lock when the process ends, however it ends.
+
+        Raises
+        ------
+        UpwashError
+            If someone else holds it.
+        """
+        with ExitStack() as stack:
+            together = shard is not None and shard.count > 1
+            self._lock(stack, ".lock", fcntl.LOCK_SH if together else fcntl.LOCK_EX)
+            if together:
+                self._lock(stack, f".lock-{shard}", fcntl.LOCK_EX)
+            yield
+
+    def _lock(self, stack: ExitStack, name: str, how: int) -> None:
+        try:
+            file = stack.enter_context((self.path / name).open("a"))
+        except OSError as error:
+            raise self.cannot("write there", error) from error
+        deadline = time.monotonic() + LOCK_PATIENCE_S
+        while True:
+            try:
+                return fcntl.flock(file, how | fcntl.LOCK_NB)
+            except BlockingIOError as error:
+                if time.monotonic() > deadline:
+                    found = "another 'upwash' at work; wait for it to end, or stop it"
+                    raise UpwashError(
+                        f"{self.path}: expected nobody else to write there, found {found}"
+                    ) from error
+                time.sleep(LOCK_PATIENCE_S / 20)
+            except OSError as error:
+                raise self.cannot("lock it", error) from error
+
+    def in_use(self) -> bool:
+        """Whether someone is writing at the moment."""
+        try:
+            with open(self.path / ".lock") as file:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except FileNotFoundError:
+            return False
+        except OSError:
+            return True
+        return False
+
+    # The plan
+
+    def write_plan(self, plan: Plan) -> None:
+        """Store which jobs belong here."""
+        from upwash.batch.store import write_atomic
+
+        text = json.dumps({**vars(plan), "jobs": " ".join(plan.jobs)}, indent=0)
+        path = self.path / PLAN
+        # Shards of one sweep all write it at once, and the same.
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            write_atomic(path, text.encode())
+
+    def plan(self) -> Plan | None:
+        """Return which jobs belong here, if that is known."""
+        path = self.path / PLAN
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+            return Plan(content["sweep"], content["kind"], content["text"], content["jobs"].split())
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise self.cannot(f"read {PLAN}", error) from error
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            remedy = "delete it and run the sweep again: no finished job will be redone"
+            raise UpwashError(
+                f"{path}: expected the plan of a sweep, found a damaged file; {remedy}"
+            ) from error
+
+    def kind(self) -> str:
+        """Return the kind of sweep."""
+        plan = self.plan()
+        if plan:
+            return plan.kind
+        return "flock" if (self.path / GATHERED["flock"]).exists() else "pair"
+
+    # The jobs' files
+
+    def job_ids(self) -> set[str]:
+        """Return the jobs that have a file of their own."""
+        try:
+            names = os.listdir(self.jobs)
+        except FileNotFoundError:
+            return set()
+        except OSError as error:
+            raise self.cannot("read its jobs", error) from error
+        ids = (name.removesuffix(".parquet") for name in names if name.endswith(".parquet"))
+        return {job_id for job_id in ids if JOB_ID.fullmatch(job_id)}
+
+    def entry_of_file(self, job_id: str, lines: Iterable[str]) -> Entry | None:
+        """Return which of a job's journal lines its file is, bit for bit; None if it is damaged."""
+        try:
+            data = self.job_file(job_id).read_bytes()
+        except OSError:
+            return None
+        found = len(data), zlib.crc32(data)
+        entries = (entry for line in lines if (entry := entry_of(line)))
+        return next((one for one in entries if (one.size, one.checksum) == found), None)
+
+    def set_aside(self, path: Path) -> Path:
+        """Move a damaged file out of the way, beside any that were moved before."""
+        target = self._free_place(path)
+        os.replace(path, target)
+        return target
+
+    def copy_aside(self, path: Path) -> Path:
+        """Keep a copy of a file of which a part is damaged."""
+        return Path(shutil.copy2(path, self._free_place(path)))
+
+    def _free_place(self, path: Path) -> Path:
+        self.corrupt.mkdir(exist_ok=True)
+        names = (f"{path.name}.{number}" if number else path.name for number in itertools.count())
+        return next(self.corrupt / name for name in names if not (self.corrupt / name).exists())
+
+    # The journal
+
+    def journals(self) -> list[Path]:
+        """Return the journals of all runs and shards."""
+        return sorted(self.path.glob("journal-*.csv"))
+
+    def open_journal(self, shard: Shard, jobs_to_do: int) -> IO[str]:
+        """Open a journal to append to, and note that a run begins."""
+        path = self.path / f"journal-{shard}.csv"
+        try:
+            torn = path.exists() and not path.read_bytes().endswith(b"\n")
+            file = open(path, "a", encoding="utf-8", buffering=1)  # noqa: SIM115  # the caller closes it
+            file.write(("\n" if torn else "") + f"{RUN},{time.time():.3f},{jobs_to_do}\n")
+        except OSError as error:
+            raise self.cannot("write there", error) from error
+        return file
+
+    def read_journals(self) -> Journals:
+        """Return what the journals say; torn lines are passed over."""
+        lines: dict[str, list[str]] = {}
+        recent, begun = [], []
+        for path in self.journals():
+            all_lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+            for line in all_lines:
+                name, _, rest = line.partition(",")
+                if name == RUN:
+                    with suppress(ValueError):
+                        begun.append(float(rest.partition(",")[0]))
+                elif rest.count(",") == len(Entry._fields) - 1:
+                    lines.setdefault(name, []).append(rest)
+            recent += [line.partition(",")[2] for line in all_lines[-RECENT:]]
+        return Journals(lines, recent, begun)
+
+
+def journal_line(job_id: str, entry: Entry) -> str:
+    """Return the line that `ResultsFolder.read_journals` reads."""
+    cause = re.sub(r"[,\s]+", " ", entry.cause)
+    numbers = f"{entry.seconds:.6f},{entry.size},{entry.checksum},{entry.time:.3f}"
+    return f"{job_id},{entry.status},{numbers},{cause}\n"
+
+
+def entry_of(line: str) -> Entry | None:
+    """Return what a journal's line says, behind the job's id; None if it is torn."""
+    try:
+        status, seconds, size, checksum, when, cause = line.split(",")
+        return Entry(status, float(seconds), int(size), int(checksum), float(when), cause)
+    except ValueError:
+        return None

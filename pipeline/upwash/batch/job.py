@@ -1,0 +1,354 @@
+"""Running one job: inputs in, rows out. Never raises: what goes wrong is a row.
+
+The only module of the batch layer that meets the physics and the inputs.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from upwash.batch import columns as of
+from upwash.batch import store
+from upwash.sweep.job import BUILT_IN_SOLVER, INPUTS
+from upwash.sweep.job import Job as Job
+
+Row = dict[str, Any]
+
+# A worker whose parent is gone has nobody to give its results to; it looks this often.
+PARENT_CHECK_S = 0.5
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of one job, ready to be written.
+
+    Parameters
+    ----------
+    job_id : str
+        The job.
+    status : str
+        The worst status of its rows.
+    error : str
+        What went wrong, or "".
+    seconds : float
+        Wall time.
+    data : bytes
+        The job's Parquet file.
+    """
+
+    job_id: str
+    status: str
+    error: str
+    seconds: float
+    data: bytes
+
+
+def run_job(job: Job) -> list[Row]:
+    """Solve a job and return its rows, as `solve` does; what goes wrong is a row too."""
+    try:
+        return solve(job)
+    except (Exception, SystemExit) as error:
+        return failed_rows(job, describe(error))
+
+
+def solve(job: Job) -> list[Row]:
+    """Solve a job and return its rows: one an optimum, or one a bird of a flock; at least one in any case."""
+    status, error, rows = solver_of(job)(job)
+    rows = [{"status": status, "error": error or None} | row for row in rows or [{}]]
+    return [inputs_of(job) | {name: _finite(value) for name, value in row.items()} for row in rows]
+
+
+def _finite(value: Any) -> Any:
+    """Return a value, or None for a number that is not finite; an infinite bound says: nothing there."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def inputs_of(job: Job) -> Row:
+    """Return the columns that say which job a row is of."""
+    row = {"job_id": job.job_id} | {name: value for name, value in job.inputs().items() if value is not None}
+    return row | {"flock_id": job.job_id} if job.kind == "flock" else row
+
+
+def failed_rows(job: Job, error: str) -> list[Row]:
+    """Return the row of a job that could not be run."""
+    return [inputs_of(job) | {"status": of.FAILED, "error": error}]
+
+
+def encode(job: Job, rows: list[Row], seconds: float, sweep_text: str) -> Result:
+    """Make a job's file of its rows; rows that do not fit the schema are a failure of the job."""
+    schema, metadata = store.ROWS[job.kind], store.provenance(sweep_text)
+    try:
+        data = store.encode(rows, schema, metadata)
+    except (ValueError, TypeError, OverflowError) as error:
+        rows = failed_rows(job, describe(error))
+        data = store.encode(rows, schema, metadata)
+    worst = max(rows, key=lambda row: of.STATUSES.index(row["status"]))
+    return Result(job.job_id, worst["status"], worst["error"] or "", seconds, data)
+
+
+def run_batch(
+    jobs: Sequence[Job], sweep_text: str, budget_s: float, parent: int | None
+) -> tuple[list[Result], list[Job]]:
+    """Run jobs one after another until the time is up, in a worker.
+
+    Parameters
+    ----------
+    jobs : sequence of Job
+        At least one; the first is always run.
+    sweep_text : str
+        The sweep's own text, for the files' metadata.
+    budget_s : float
+        Time after which no further job is begun, in s.
+    parent : int or None
+        Process that this one must not outlive, if it is a child of it.
+
+    Returns
+    -------
+    tuple
+        Results of the jobs that were run, and the jobs that were not.
+    """
+    if parent is not None:
+        _die_with(parent)
+    results: list[Result] = []
+    start = time.perf_counter()
+    for number, job in enumerate(jobs):
+        begun = time.perf_counter()
+        if number and begun - start > budget_s:
+            return results, list(jobs[number:])
+        rows = run_job(job)
+        results.append(encode(job, rows, time.perf_counter() - begun, sweep_text))
+    return results, []
+
+
+def solver_of(job: Job) -> Callable[[Job], tuple[str, str, list[Row]]]:
+    """Return the function that solves a job: Job -> (status, error or "", rows of the solution's columns).
+
+    No row means that there is no answer, which `status` and `error` then explain.
+    """
+    if job.solver == BUILT_IN_SOLVER:
+        return _solve_pair if job.kind == "pair" else _solve_flock
+    module, _, function = job.solver.partition(":")
+    return getattr(import_module(module), function)
+
+
+def needs_compiling(job: Job) -> bool:
+    """Whether this machine has still to compile the built-in solver, which takes far longer than a job.
+
+    The proof is what is compiled last.
+    """
+    kept = Path(os.environ["NUMBA_CACHE_DIR"]).glob("*/certify.*.nbi")
+    return job.solver == BUILT_IN_SOLVER and not any(kept)
+
+
+def job_of(row: Mapping[str, Any]) -> Job:
+    """Return the job that a stored row came from, made of its inputs alone."""
+    return Job(**{name: row[name] for name in INPUTS if row.get(name) is not None})
+
+
+def describe(error: BaseException) -> str:
+    """Say on one line what was raised and where."""
+    last = traceback.extract_tb(error.__traceback__)[-1:]
+    where = f" ({Path(last[0].filename).name}, line {last[0].lineno})" if last else ""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}{where}"
+
+
+def _solve_pair(job: Job) -> tuple[str, str, list[Row]]:
+    from upwash.optimum import solve_pair
+
+    bird = _bird(job)
+    if isinstance(bird, str):
+        return of.INFEASIBLE, bird, []
+    solution = solve_pair(bird, job.objective, model=_model(job), seed=job.seed, tolerance=job.tolerance)
+    if solution.status == of.SOLVED:
+        return of.SOLVED, "", solution.rows()
+    proof = {column.name: getattr(solution.proof, column.name) for column in of.CERTIFICATE}
+    error = "no balance: no position within the bounds balances lift and thrust"
+    return solution.status, error, [proof | {"solve_time_s": solution.solve_time_s}]
+
+
+def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:
+    bird = _bird(job)
+    if isinstance(bird, str):
+        return of.INFEASIBLE, bird, []
+    return of.SOLVED, "", flock_of(job, bird).rows()
+
+
+def flock_of(job: Job, bird: Any = None) -> Any:
+    """Return the flock of a job, a `FlockSolution`; `bird` is the job's own if not given."""
+    from upwash.optimum import solve_flock
+
+    choices = {name: getattr(job, name) for name in ("reading", "shape", "wake", "wavelengths")}
+    return solve_flock(
+        bird or _bird(job),
+        job.birds or 0,
+        job.objective,
+        model=_model(job),
+        seed=job.seed,
+        tolerance=job.tolerance,
+        **choices,
+    )
+
+
+def _bird(job: Job) -> Any:
+    """Return the job's bird, or the line that says why there is no such bird."""
+    from upwash.aero.bird import Bird
+
+    try:
+        return Bird(
+            mass_kg=job.mass_kg,
+            semispan_m=job.semispan_m,
+            speed_m_s=job.speed_m_s,
+            period_s=job.period_s,
+            density_kg_m3=job.density_kg_m3,
+            gravity_m_s2=job.gravity_m_s2,
+            amplitude_m=job.leader_amplitude_m,
+            upstroke_span_ratio=job.leader_upstroke_span_ratio,
+            circulation_ratio=job.circulation_ratio,
+        )
+    except ValueError as error:
+        return str(error)
+
+
+def _model(job: Job) -> Any:
+    from upwash.aero.wake import WakeModel
+
+    return WakeModel(
+        core_radius_ratio=job.core_radius_ratio, stroke_states=job.stroke_states, span_nodes=job.span_nodes
+    )
+
+
+_watching = False
+
+
+def _die_with(parent: int) -> None:
+    """End this process soon after its parent has ended, however that came about."""
+    global _watching
+    if _watching:
+        return
+    _watching = True
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(PARENT_CHECK_S)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+# What a stored row must be, from its inputs and its solution alone: by the plain statement of the physics,
+# not by the compiled one that the search used.
+
+
+def recompute(rows: Sequence[Row]) -> list[Row]:
+    """Return what the forces, powers, savings, costs and labels of one job's solved rows must be.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        All rows of a pair, or of a flock.
+
+    Returns
+    -------
+    list of dict
+        For each row, column -> value; nothing for a row that has no solution.
+    """
+    job = job_of(rows[0])
+    bird = _bird(job)
+    return [_expected(bird, job, row, rows) if row["status"] == of.SOLVED else {} for row in rows]
+
+
+def bounds_of(row: Row, first: Row) -> dict[str, tuple[float, float]]:
+    """Return the bounds of a solved row's variables; `first` is the job's first row."""
+    from upwash.optimum import problem
+
+    streamwise = problem.STREAMWISE_REACH * row["speed_m_s"] * row["period_s"]
+    spanwise = problem.SPANWISE_REACH * row["semispan_m"]
+    limit = (first if row.get("reading") == "lone" else row)["leader_amplitude_m"]
+    return {
+        "x_m": (0.0, streamwise),
+        # A flock's birds may fly on either side of the one ahead.
+        "y_m": (-spanwise if row["kind"] == "flock" else 0.0, spanwise),
+        "z_m": (-row["leader_amplitude_m"], row["leader_amplitude_m"]),
+        "amplitude_m": (problem.LEAST_AMPLITUDE * limit, limit),
+        "upstroke_span_ratio": problem.SPAN_RATIO_BOUNDS,
+        "phase": (0.0, 1.0),
+    }
+
+
+def _expected(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> Row:
+    from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+    from upwash.optimum.problem import ASTERN, LEVEL, OUTBOARD
+
+    lift = bird.lift_n(row["upstroke_span_ratio"])
+    thrust = bird.thrust_n(row["amplitude_m"], row["upstroke_span_ratio"])
+    wake_lift, wake_thrust = _wake_force(bird, job, row, rows)
+    powers = induced_power_w(bird, lift), profile_power_w(bird, thrust), parasite_power_w(bird)
+    alone = induced_power_w(bird, bird.weight_n), profile_power_w(bird, bird.drag_n), parasite_power_w(bird)
+    cost = COST_FUNCTIONS[job.objective]
+    expected: Row = {
+        "weight_n": bird.weight_n,
+        "drag_n": bird.drag_n,
+        "lift_self_n": lift,
+        "thrust_self_n": thrust,
+        "lift_wake_n": wake_lift,
+        "thrust_wake_n": wake_thrust,
+        "residual_lift": (lift + wake_lift) / bird.weight_n - 1.0,
+        "residual_thrust": (thrust + wake_thrust) / bird.drag_n - 1.0,
+        "power_total_w": sum(powers),
+        "leader_power_total_w": sum(alone),
+        "saving_induced": 1.0 - powers[0] / alone[0],
+        "saving_profile": 1.0 - powers[1] / alone[1],
+        "saving_total": 1.0 - sum(powers) / sum(alone),
+        "cost": cost.value(bird, lift, thrust),
+        "cost_leader": cost.value(bird, bird.weight_n, bird.drag_n),
+    }
+    if row["x_m"] is not None:
+        expected |= {
+            "placement": "outboard" if abs(row["y_m"]) >= OUTBOARD * job.semispan_m else "inboard",
+            "tier": "level" if abs(row["z_m"]) <= LEVEL * bird.amplitude_m else "stacked",
+            "station": "astern" if row["x_m"] >= ASTERN * job.semispan_m else "abreast",
+        }
+    for part, own, leaders in zip(("induced", "profile", "parasite"), powers, alone, strict=True):
+        expected |= {f"power_{part}_w": own, f"leader_power_{part}_w": leaders}
+    return expected
+
+
+def _wake_force(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> tuple[float, float]:
+    """Return the lift and thrust that a row's bird has from the wakes that it feels."""
+    from upwash.aero.interaction import wake_force
+
+    lift = thrust = 0.0
+    for amplitude, span_ratio, place, lag in _felt(job, row, rows):
+        for repeat in range(job.wavelengths or 1):
+            # A wake's next wavelength acts as the first one does on a bird as much nearer.
+            position = place[0] - repeat * bird.wavelength_m, *place[1:]
+            stroke = row["amplitude_m"], row["upstroke_span_ratio"]
+            force = wake_force(bird, amplitude, span_ratio, position, *stroke, lag, _model(job))
+            lift, thrust = lift + force[0], thrust + force[1]
+    return lift, thrust
+
+
+def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[float, float, tuple[float, ...], float]]:
+    """Give stroke, place and lag, relative to it, of each bird whose wake a row's bird feels."""
+    from upwash.optimum.flock import row_of
+
+    if row.get("bird") == 1:
+        return
+    if job.kind == "pair" or job.wake == "neighbour":
+        place = row["x_m"], row["y_m"], row["z_m"]
+        yield row["leader_amplitude_m"], row["leader_upstroke_span_ratio"], place, row["phase"]
+        return
+    for other in rows:
+        if row_of(other["bird"], job.shape or "") < row_of(row["bird"], job.shape or ""):
+            place = tuple(row[f"{axis}_flock_m"] - other[f"{axis}_flock_m"] for axis in "xyz")
+            lag = row["phase_flock"] - other["phase_flock"]
+            yield other["amplitude_m"], other["upstroke_span_ratio"], place, lag

@@ -1,0 +1,350 @@
+"""Running a sweep's jobs on workers: streaming, resuming, and surviving whatever kills a worker, or us.
+
+Workers solve and encode; this process alone writes, so that one lock and one journal suffice, and workers on
+other machines need no common disk.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+import zlib
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from multiprocessing import resource_tracker
+from typing import IO, TYPE_CHECKING, Any, TextIO
+
+from joblib import Parallel, delayed
+
+from upwash.batch import columns as of
+from upwash.batch.folder import Entry, Plan, ResultsFolder, Shard, journal_line
+from upwash.batch.index import Index, Known, read_index
+from upwash.batch.job import Result, encode, failed_rows, needs_compiling, run_batch
+from upwash.batch.mend import verified_index
+from upwash.batch.progress import Progress
+from upwash.batch.selection import in_shard, is_to_run
+from upwash.batch.store import sync, write_atomic
+from upwash.batch.workers import LOKY, stop, workers
+
+if TYPE_CHECKING:
+    from upwash.batch.job import Job
+
+BATCH_S = 0.25
+"""A batch of cheap jobs lasts about so long: long against the cost of handing it over, short to lose."""
+
+MAX_BATCH = 1000
+
+MAX_FLYING = 5000
+"""With more jobs handed out whose results are not stored, no more are until all are: results take memory."""
+
+FLUSH_S = 0.05
+"""Results that took longer are put on the disk at once; that takes milliseconds."""
+
+STOPPING = (signal.SIGINT, signal.SIGTERM)
+"""Requests to stop: of a person at a terminal, of the system."""
+
+KILLED = (
+    "WorkerKilled: the worker was killed twice, the second time with no other job at work; out of memory?"
+)
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to run.
+
+    Parameters
+    ----------
+    workers : int
+        Worker processes of the loky backend.
+    backend : str
+        ``loky`` or ``dask``.
+    scheduler : str
+        Address of the dask scheduler.
+    shard : Shard
+        Part of the sweep to do.
+    retry_failed, fail_fast : bool
+        Whether to do failed jobs again, and whether to stop at the first failure.
+    """
+
+    workers: int = 2
+    backend: str = "loky"
+    scheduler: str = ""
+    shard: Shard = Shard()
+    retry_failed: bool = False
+    fail_fast: bool = False
+
+
+@dataclass
+class Tally:
+    """What a run has come to: its jobs done before, done now, and failed."""
+
+    jobs: int
+    kept: int
+    done: int = 0
+    failed: int = 0
+
+    @property
+    def left(self) -> int:
+        """Jobs that have no result yet."""
+        return self.jobs - self.kept - self.done
+
+
+def run_sweep(
+    jobs: Sequence[Job], plan: Plan, folder: ResultsFolder, options: Options, stream: TextIO
+) -> Tally:
+    """Run a sweep's jobs that have no result yet.
+
+    Parameters
+    ----------
+    jobs : sequence of Job
+        All jobs of the sweep.
+    plan : Plan
+        The same, by id.
+    folder : ResultsFolder
+        Where results go, and where finished jobs are known from.
+    options : Options
+        How to run.
+    stream : text stream
+        Where progress goes.
+
+    Returns
+    -------
+    Tally
+        The number of jobs done and failed, of this shard.
+
+    Raises
+    ------
+    UpwashError
+        If the folder is in use or cannot be written, or there are no workers. What was finished is kept.
+    KeyboardInterrupt
+        If the user, or the system, asks to stop; `Interrupted` carries the tally.
+    """
+    folder.create()
+    with ExitStack() as stack:
+        stack.enter_context(_stopping_on_signals())
+        stack.enter_context(folder.locked(options.shard))
+        folder.write_plan(plan)
+        index = _index(folder, options.shard, lambda line: print(line, file=stream))
+        jobs = [job for job in jobs if in_shard(job.job_id, options.shard)]
+        known = index.jobs
+        to_do = [job for job in jobs if is_to_run(known.get(job.job_id), options.retry_failed)]
+        kept = len(jobs) - len(to_do)
+        tally = Tally(len(jobs), kept, failed=_failed(jobs, known) if not options.retry_failed else 0)
+        if to_do:
+            journal = stack.enter_context(folder.open_journal(options.shard, len(to_do)))
+            progress = Progress(len(to_do), stream)
+            stack.callback(progress.close)
+            run = _Run(folder, plan.text, journal, progress, tally, options)
+            try:
+                run.all(to_do)
+            except _FirstFailure:
+                pass
+            except KeyboardInterrupt as interrupt:
+                raise Interrupted(tally) from interrupt
+    return tally
+
+
+class Interrupted(KeyboardInterrupt):
+    """A run was asked to stop; `tally` says how far it came."""
+
+    def __init__(self, tally: Tally) -> None:
+        super().__init__()
+        self.tally = tally
+
+
+class _FirstFailure(Exception):
+    """A job failed, and the user wants to stop there."""
+
+
+def _index(folder: ResultsFolder, shard: Shard, tell: Callable[[str], None]) -> Index:
+    # Shards share the folder while they run: whoever has it alone, an unsharded run or `aggregate`, mends it.
+    return read_index(folder) if shard.count > 1 else verified_index(folder, tell)
+
+
+def _failed(jobs: Sequence[Job], known: dict[str, Known]) -> int:
+    found = (known.get(job.job_id) for job in jobs)
+    return sum(one is not None and one.status == of.FAILED for one in found)
+
+
+class _Run:
+    """One run: hands out batches, takes in results, and finds the job that kills its worker."""
+
+    def __init__(
+        self,
+        folder: ResultsFolder,
+        sweep_text: str,
+        journal: IO[str],
+        progress: Progress,
+        tally: Tally,
+        options: Options,
+    ) -> None:
+        self.folder = folder
+        self.sweep_text = sweep_text
+        self.journal = journal
+        self.progress = progress
+        self.tally = tally
+        self.options = options
+        self.queue: deque[Job] = deque()
+        # Jobs that were in flight when a worker was killed.
+        self.suspects: deque[Job] = deque()
+        self.is_alone = False
+        self.is_stopping = False
+        # Batches handed out and not come back, by the id of their first job, oldest first.
+        self.flying: dict[str, list[Job]] = {}
+        # Jobs in batches handed out, and in those that came back.
+        self.handed = self.stored = 0
+        self.batch_size = 1
+
+    def all(self, jobs: Sequence[Job]) -> None:
+        """Run jobs until each has a result."""
+        self.queue.extend(jobs)
+        is_cold = self.options.backend == LOKY and needs_compiling(jobs[0])
+        with workers(self.options.backend, self.options.scheduler) as killed:
+            while self.queue or self.suspects:
+                self.is_alone, self.is_stopping = bool(self.suspects), False
+                try:
+                    if self.is_alone:
+                        self.alone(self.suspects.popleft())
+                    elif is_cold:
+                        # Workers that begin together would all compile the same.
+                        is_cold = False
+                        self.progress.tell("compiling, once for this version: about 20 s")
+                        self.alone(self.queue.popleft())
+                        self.progress.restart()
+                    else:
+                        self.stream(self.batches())
+                except killed as death:
+                    self.after_a_death(death)
+
+    def alone(self, job: Job) -> None:
+        """Run one job with nothing beside it, so that a worker's death names its culprit."""
+        self.stream([self.task([job])])
+
+    def stream(self, tasks: Iterable[Any]) -> None:
+        """Run tasks on one pool of workers, taking results as they finish."""
+        # joblib would run one worker's jobs in this very process. Two of which one waits are as fast, and
+        # leave us alive if it dies.
+        pool = Parallel(
+            n_jobs=max(2, self.options.workers),
+            pre_dispatch=1 if self.options.workers == 1 else "2 * n_jobs",
+            batch_size=1,
+            return_as="generator_unordered",
+        )
+        outputs = None
+        try:
+            with _signals_held():
+                outputs = pool(tasks)
+            for results, left in outputs:
+                self.take(results, left)
+        except BaseException:
+            self.is_stopping = True
+            if outputs is not None:
+                stop(pool, outputs)
+            raise
+
+    def task(self, batch: list[Job]) -> Any:
+        """Hand out a batch: return what a worker is to do with it."""
+        self.flying[batch[0].job_id] = batch
+        self.handed += len(batch)
+        parent = os.getpid() if self.options.backend == LOKY else None
+        return delayed(run_batch)(batch, self.sweep_text, BATCH_S, parent)
+
+    def batches(self) -> Iterator[Any]:
+        """Hand out batches; called from joblib's threads, one at a time."""
+        while self.queue and not self.is_stopping and self.handed - self.stored < MAX_FLYING:
+            # Towards the end batches get shorter, so that the workers finish together.
+            fair = -(-len(self.queue) // (2 * self.options.workers))
+            batch = [self.queue.popleft() for _ in range(min(self.batch_size, fair))]
+            yield self.task(batch)
+
+    def take(self, results: list[Result], left: list[Job]) -> None:
+        """Store the results of a batch, and put back what it did not get to."""
+        for result in results:
+            self.keep(result)
+        sync(self.folder.jobs)
+        del self.flying[results[0].job_id]
+        self.stored += len(results) + len(left)
+        self.queue.extend(left)
+        mean = sum(result.seconds for result in results) / len(results)
+        fitting = len(results) if left else int(BATCH_S / max(mean, BATCH_S / MAX_BATCH))
+        self.batch_size = max(1, min(2 * self.batch_size, fitting))
+        self.progress.show()
+
+    def keep(self, result: Result) -> None:
+        """Store one result: the journal first, so that no file is ever there that it does not tell of."""
+        size, now = len(result.data), time.time()
+        cause = of.cause_of(result.error)
+        entry = Entry(result.status, result.seconds, size, zlib.crc32(result.data), now, cause)
+        try:
+            self.journal.write(journal_line(result.job_id, entry))
+        except OSError as error:
+            raise self.folder.cannot("write there", error) from error
+        # A cheap result that a power cut tears is noticed by its checksum, and soon redone.
+        write_atomic(self.folder.job_file(result.job_id), result.data, flush=result.seconds > FLUSH_S)
+        self.tally.done += 1
+        self.tally.failed += result.status == of.FAILED
+        self.progress.finished(result.job_id, result.status, result.error)
+        if result.status == of.FAILED and self.options.fail_fast:
+            raise _FirstFailure
+
+    def after_a_death(self, death: BaseException) -> None:
+        """Sort out what was in flight when a worker was killed.
+
+        A job gets one retry, alone. So a job that was alone, or that dask has tried on several workers, is
+        the culprit; of several, each may be.
+        """
+        named = getattr(death, "jobs", None)
+        flying = list(self.flying.values())
+        self.flying.clear()
+        self.handed = self.stored = 0
+        suspects: list[Job] = []
+        others: list[Job] = []
+        for batch in flying:
+            is_suspect = named is None or batch[0].job_id == named[0].job_id
+            (suspects if is_suspect else others).extend(batch)
+        self.queue.extendleft(reversed(others))
+        if len(suspects) == 1 and (self.is_alone or named):
+            self.keep(encode(suspects[0], failed_rows(suspects[0], KILLED), 0.0, self.sweep_text))
+        else:
+            self.suspects.extend(suspects)
+
+
+@contextmanager
+def _signals_held() -> Iterator[None]:
+    """Hold requests to stop back while workers are started.
+
+    They inherit that: Ctrl-C, or a queue's signal to all processes, reaches this one alone, which stops them.
+    """
+    # multiprocessing lets the signals through when it starts this process of its own; so that comes first.
+    resource_tracker.ensure_running()
+    # Another thread of this process may still be handed a signal, which Python then handles in this one.
+    requests: list[int] = []
+    heard = {one: signal.getsignal(one) for one in STOPPING if signal.getsignal(one) != signal.SIG_IGN}
+    for one in heard:
+        signal.signal(one, lambda number, _: requests.append(number))
+    held = signal.pthread_sigmask(signal.SIG_BLOCK, STOPPING)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, held)
+        for one, handler in heard.items():
+            signal.signal(one, handler)
+        if requests:
+            raise KeyboardInterrupt
+
+
+@contextmanager
+def _stopping_on_signals() -> Iterator[None]:
+    """Let a polite request of the system, such as a queue's at the time limit, stop us as Ctrl-C does."""
+
+    def interrupt(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)

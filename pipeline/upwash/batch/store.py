@@ -1,0 +1,284 @@
+"""Parquet files to be trusted: explicit schemas, provenance, atomic writes, reads that notice damage."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import subprocess
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from secrets import token_hex
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from upwash import __version__
+from upwash.batch import columns as of
+from upwash.batch.folder import GATHERED as GATHERED
+from upwash.errors import UpwashError
+
+PACKAGES = ("joblib", "numba", "numpy", "pyarrow", "scipy")
+ARROW_TYPES = {of.FLOAT: pa.float64(), of.INTEGER: pa.int64(), of.TEXT: pa.string(), of.TRUTH: pa.bool_()}
+
+# A job has few rows: neither dictionaries nor compression pay in its own file.
+JOB_FILE_OPTIONS = {"use_dictionary": False, "compression": "none", "write_statistics": False}
+TABLE_OPTIONS = {"compression": "zstd", "write_statistics": ["job_id"]}
+
+
+class Damaged(Exception):
+    """A file that is not what was written: torn, or with bits changed."""
+
+
+def schema_of(columns: Iterable[of.Column]) -> pa.Schema:
+    """Return the Arrow schema of some columns, with unit and description in each field's metadata."""
+    return pa.schema(
+        pa.field(
+            column.name,
+            ARROW_TYPES[column.type],
+            metadata={"unit": column.unit, "description": column.description},
+        )
+        for column in columns
+    )
+
+
+SOLUTIONS = schema_of(of.SOLUTIONS_COLUMNS)
+SUMMARY = schema_of(of.SUMMARY_COLUMNS)
+FLOCK = schema_of(of.FLOCK_COLUMNS)
+FLOCK_SUMMARY = schema_of(of.FLOCK_SUMMARY_COLUMNS)
+
+# Kind of sweep -> schema of its rows, schema of its summary.
+ROWS = {"pair": SOLUTIONS, "flock": FLOCK}
+SUMMARIES = {"pair": SUMMARY, "flock": FLOCK_SUMMARY}
+
+
+@cache
+def code_version() -> str:
+    """Return Upwash's version and, in a checkout, the commit and whether files differ from it."""
+    folder = Path(__file__).parents[3]
+    try:
+        command = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--exclude=*"]
+        described = subprocess.run(command, capture_output=True, text=True, timeout=10)
+    except (OSError, subprocess.SubprocessError):
+        return __version__
+    commit = described.stdout.strip()
+    return f"{__version__}+{commit}" if described.returncode == 0 and commit else __version__
+
+
+@cache
+def package_versions() -> dict[str, str]:
+    """Return the versions of the packages that results may depend on."""
+    return {name: version(name) for name in PACKAGES}
+
+
+def provenance(sweep_text: str) -> dict[str, str]:
+    """Return a file's metadata: versions of schema, code and packages, and the sweep's own text."""
+    return {
+        "schema_version": str(of.SCHEMA_VERSION),
+        "code_version": code_version(),
+        "package_versions": json.dumps(package_versions()),
+        "sweep": sweep_text,
+    }
+
+
+def merged_provenance(all_metadata: Iterable[dict[str, str]], sweep_text: str) -> dict[str, str]:
+    """Return the metadata of a file that gathers others: each version that took part, once."""
+    seen = [dict(pairs) for pairs in {tuple(sorted(metadata.items())) for metadata in all_metadata}]
+    codes = sorted({metadata["code_version"] for metadata in seen})
+    packages = [json.loads(metadata["package_versions"]) for metadata in seen]
+    names = sorted({name for versions in packages for name in versions})
+    return {
+        "schema_version": str(of.SCHEMA_VERSION),
+        "code_version": ", ".join(codes),
+        "package_versions": json.dumps(
+            {name: ", ".join(sorted({one[name] for one in packages if name in one})) for name in names}
+        ),
+        "sweep": sweep_text,
+    }
+
+
+def metadata_of(schema: pa.Schema) -> dict[str, str]:
+    """Return a file's own metadata as text."""
+    return {key.decode(): value.decode() for key, value in (schema.metadata or {}).items()}
+
+
+def table_of(rows: list[dict[str, Any]], schema: pa.Schema) -> pa.Table:
+    """Make a table from rows; a column that a row lacks is null there.
+
+    Raises
+    ------
+    ValueError
+        If a row has a column that the schema does not know, or a value of the wrong type.
+    """
+    unknown = sorted({name for row in rows for name in row} - set(schema.names))
+    if unknown:
+        raise ValueError(f"rows: expected columns of the schema, found {', '.join(unknown)}; add them to it")
+    # A list of dicts becomes a struct in one call, which is twice as fast as column by column.
+    structs = pa.array(rows, type=pa.struct(list(schema)))
+    return pa.Table.from_batches([pa.RecordBatch.from_struct_array(structs)])
+
+
+def encode(rows: list[dict[str, Any]], schema: pa.Schema, metadata: dict[str, str]) -> bytes:
+    """Return the bytes of a job's Parquet file."""
+    table = table_of(rows, schema).replace_schema_metadata(metadata)
+    sink = pa.BufferOutputStream()
+    pq.write_table(table, sink, write_page_checksum=True, **JOB_FILE_OPTIONS)
+    return sink.getvalue().to_pybytes()
+
+
+def temporary(path: Path) -> Path:
+    """Return a name under which a file is written until it is whole; no other writer's, if shards run."""
+    return path.with_name(f".{path.name}.{token_hex(4)}.tmp")
+
+
+def remove_temporary(folder: Path) -> None:
+    """Remove what interrupted writes left in a folder."""
+    for path in folder.glob(".*.tmp"):
+        path.unlink()
+
+
+def write_atomic(path: Path, data: bytes, flush: bool = True) -> None:
+    """Write a file so that it is there whole or not at all.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    data : bytes
+        Its content.
+    flush : bool
+        Whether to wait until the disk has it, so that this holds even if the power fails.
+
+    Raises
+    ------
+    UpwashError
+        If it cannot be written; nothing is left behind.
+    """
+    with replacing(path) as unfinished:
+        descriptor = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        try:
+            # A write to a disk that is nearly full may be short.
+            while data:
+                data = data[os.write(descriptor, data) :]
+            if flush:
+                os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def sync(path: Path) -> None:
+    """Put a file, or a folder's list of files, on the disk, so that it outlives a power cut."""
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary name to write to, and put the file in its place if nothing went wrong.
+
+    Raises
+    ------
+    UpwashError
+        If the folder cannot be written or the disk is full; nothing is left behind.
+    """
+    unfinished = temporary(path)
+    try:
+        yield unfinished
+        os.replace(unfinished, path)
+    except BaseException as error:
+        unfinished.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise cannot_write(path, error) from error
+        raise
+
+
+def cannot_write(path: Path, error: OSError) -> UpwashError:
+    """Build the one line that says why a file cannot be written."""
+    found = error.strerror or str(error)
+    return UpwashError(
+        f"{path}: expected to write it, found: {found}; what was finished is kept: make room or mend the "
+        "permissions, then run the same command again"
+    )
+
+
+class TableWriter:
+    """Writes a table piece by piece to a temporary name; `replacing` puts it in place."""
+
+    def __init__(self, path: Path, schema: pa.Schema) -> None:
+        self.path = path
+        self.schema = schema
+        # The metadata is known when all is read: `close` stores the schema, as Arrow would have done here.
+        self.writer = pq.ParquetWriter(
+            path, schema, write_page_checksum=True, store_schema=False, **TABLE_OPTIONS
+        )
+
+    def write(self, table: pa.Table) -> None:
+        """Write a table as one row group."""
+        if table.num_rows:
+            self.writer.write_table(table, row_group_size=table.num_rows)
+
+    def close(self, metadata: dict[str, str]) -> None:
+        """Finish the file and put it on the disk."""
+        schema = base64.b64encode(self.schema.with_metadata(metadata).serialize().to_pybytes())
+        self.writer.add_key_value_metadata({**metadata, "ARROW:schema": schema.decode()})
+        self.writer.close()
+        sync(self.path)
+
+
+@contextmanager
+def noticing(path: Path) -> Iterator[None]:
+    """Turn whatever a Parquet reader says of a broken file into `Damaged`."""
+    try:
+        yield
+    except (pa.ArrowException, ValueError, KeyError, OverflowError, MemoryError, EOFError) as error:
+        raise Damaged(f"{path}: {' '.join(str(error).split())[:200]}") from error
+    except OSError as error:
+        if error.errno is not None:
+            raise UpwashError(f"{path}: expected to read it, found: {error.strerror}; mend that") from error
+        raise Damaged(f"{path}: {' '.join(str(error).split())[:200]}") from error
+
+
+def open_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pq.ParquetFile:
+    """Open a Parquet file of one of our schemas; reading from it verifies the checksum of every page.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    schema : Schema
+        What it must hold.
+    data : bytes, optional
+        Its content, if that has been read already.
+
+    Raises
+    ------
+    Damaged
+        If it is no such file.
+    UpwashError
+        If another version of Upwash wrote it.
+    """
+    with noticing(path):
+        source = pa.BufferReader(data) if data is not None else str(path)
+        file = pq.ParquetFile(source, page_checksum_verification=True)
+        found = file.schema_arrow
+        written_by = metadata_of(found).get("schema_version")
+        if found.remove_metadata().equals(schema, check_metadata=True):
+            return file
+    if written_by != str(of.SCHEMA_VERSION):
+        expected = f"schema version {of.SCHEMA_VERSION}"
+        remedy = "take another results folder, or the version of Upwash that wrote it"
+        raise UpwashError(f"{path}: expected {expected}, found {written_by or 'none'}; {remedy}")
+    raise Damaged(f"{path}: its columns are not those of schema version {of.SCHEMA_VERSION}")
+
+
+def read_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pa.Table:
+    """Read a whole table of one of our schemas; raises as `open_table` does."""
+    with noticing(path), open_table(path, schema, data) as file:
+        return file.read(use_threads=False)

@@ -1,0 +1,97 @@
+"""Where the workers come from: processes of this machine (loky), or those of a dask scheduler."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Iterator
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from typing import Any
+
+from joblib import Parallel, parallel_config
+
+from upwash.errors import UpwashError
+
+LOKY, DASK = "loky", "dask"
+CONNECT_TIMEOUT_S = 10
+SETTLE_TIMEOUT_S = 1
+
+
+@contextmanager
+def workers(backend: str, scheduler: str = "") -> Iterator[type[BaseException]]:
+    """Make joblib use workers of one kind, each with one thread for arrays and compiled loops.
+
+    Parameters
+    ----------
+    backend : str
+        ``loky`` or ``dask``.
+    scheduler : str
+        Address of the dask scheduler.
+
+    Yields
+    ------
+    type
+        What joblib raises when a worker is killed.
+
+    Raises
+    ------
+    UpwashError
+        If dask is not installed, or no scheduler or no worker answers.
+    """
+    if backend == LOKY:
+        with parallel_config(backend=LOKY, inner_max_num_threads=1):
+            yield BrokenProcessPool
+        return
+    try:
+        from distributed import Client
+
+        from upwash.batch.dask_backend import KilledBatch, MendedDaskBackend
+    except ImportError as error:
+        remedy = "pip install 'upwash[distributed]'"
+        raise UpwashError(
+            f"--backend dask: expected dask.distributed, found it not installed; {remedy}"
+        ) from error
+    try:
+        client = Client(scheduler, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        remedy = "start one by 'dask scheduler' and give its address, as in tcp://host:8786"
+        raise UpwashError(
+            f"--scheduler: expected a dask scheduler at {scheduler!r}, found none; {remedy}"
+        ) from error
+    with client:
+        if not _has_workers(client):
+            remedy = f"start some by 'dask worker {scheduler} --nthreads 1'"
+            raise UpwashError(f"--scheduler: expected workers at {scheduler}, found none; {remedy}")
+        with parallel_config(backend=MendedDaskBackend(client=client)):
+            yield KilledBatch
+
+
+def stop(pool: Parallel, outputs: Any) -> None:
+    """Stop whatever still runs, once no more tasks are given out; it is of no use any more.
+
+    Parameters
+    ----------
+    pool : Parallel
+        The pool.
+    outputs : generator
+        What calling it returned.
+    """
+    # joblib's thread trips, with a traceback, over a task that it has begun to hand over when it is shut down.
+    with pool._lock:
+        executor = getattr(pool._backend, "_workers", None)
+    deadline = time.monotonic() + SETTLE_TIMEOUT_S
+    while executor and executor._work_ids.qsize() and time.monotonic() < deadline:
+        time.sleep(0.001)
+    with warnings.catch_warnings():
+        # joblib need not warn of tasks that were not finished.
+        warnings.simplefilter("ignore")
+        outputs.close()
+
+
+def _has_workers(client: Any) -> bool:
+    try:
+        client.wait_for_workers(1, timeout=CONNECT_TIMEOUT_S)
+    except TimeoutError:
+        return False
+    return True

@@ -1,0 +1,125 @@
+"""The paper: redo it, and judge its claims."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from upwash.errors import CheckFailed
+
+if TYPE_CHECKING:
+    from upwash.batch.folder import ResultsFolder
+
+SWEEP = "reproduce"
+WORKERS = 2
+FAILED_EXIT = 1
+
+# Beside the package in a checkout, which is how Upwash is installed (pip install --editable).
+REFERENCE = Path(__file__).parents[3] / "results" / "reference"
+
+as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
+
+
+def _say(line: str) -> None:
+    """Write a line for a person, apart from the results."""
+    click.echo(line, err=True)
+
+
+@click.command()
+@click.option(
+    "--results",
+    metavar="DIR",
+    default=f"results/{SWEEP}",
+    show_default=True,
+    help="Results folder of the pair; those of flocks and airspeeds are beside it.",
+)
+@as_json
+def reproduce(results: str, json_output: bool) -> None:
+    """Redo the paper, and print its table beside ours.
+
+    Solves the paper's pair for both of its objectives, its flocks, and the pair at other airspeeds; checks
+    the results and compares those of the pair with what is kept with the code. Then judges the paper's
+    claims, draws its figures, and writes a page that shows all of it. What is solved already is kept. Exit
+    code 3 if a check fails.
+
+    \b
+    Example:
+      upwash reproduce
+    """
+    from upwash.batch.compare import compare_folders
+    from upwash.batch.folder import ResultsFolder
+    from upwash.batch.store import GATHERED, SOLUTIONS, read_table
+    from upwash.report.claims import judge_claims, read_evidence
+    from upwash.report.claims.evidence import beside
+    from upwash.report.claims.ledger import counts, tally, write_claims
+    from upwash.report.page import write_page
+    from upwash.report.reproduction import reproduction, reproduction_record
+
+    folder = ResultsFolder(results)
+    others = beside(folder.path)
+    text = solve_and_check(SWEEP, folder)
+    for path in others:
+        solve_and_check(path.name, ResultsFolder(path))
+    solutions = read_table(folder.path / GATHERED["pair"], SOLUTIONS).to_pandas()
+    comparison = compare_folders(folder, ResultsFolder(REFERENCE))[0]
+    ledger = judge_claims(read_evidence(results))
+    claims = write_claims(ledger, results, text)
+    page = write_page(results, *others)
+    if json_output:
+        record = {
+            "results": results,
+            **reproduction_record(solutions),
+            "agrees_with_reference": comparison.agrees,
+            "reference": asdict(comparison),
+            "claims": {"file": str(claims), "verdicts": tally(ledger)},
+            "page": str(page),
+        }
+        click.echo(json.dumps(record, ensure_ascii=False, indent=2, allow_nan=False))
+    else:
+        click.echo(reproduction(solutions))
+    _say(f"{claims}: {counts(ledger)}")
+    _say(f"{page}: the page about all of it, to be opened in a browser")
+    for found in comparison.differences:
+        values = f"found {found.first}, kept {found.second}"
+        _say(f"{found.column}, job {found.job_id}: {values} (may differ by {found.allowed})")
+    if not comparison.agrees:
+        remedy = f"see 'upwash diff {results} {REFERENCE}'"
+        raise CheckFailed(f"{results}: expected what is kept in {REFERENCE}, found something else; {remedy}")
+    _say(f"{results}: agrees with {REFERENCE}")
+
+
+def solve_and_check(sweep: str, folder: ResultsFolder) -> str:
+    """Solve, gather and check a sweep, and return its text.
+
+    Raises
+    ------
+    CheckFailed
+        If the results are not what they must be.
+    Exit
+        With code 1, if a job failed.
+    """
+    from upwash.batch.aggregate import aggregate
+    from upwash.batch.check import check
+    from upwash.batch.folder import Plan
+    from upwash.batch.runner import Options, run_sweep
+    from upwash.sweep import read_sweep
+
+    read = read_sweep(sweep)
+    plan = Plan(read.name, read.jobs[0].kind, read.text, [job.job_id for job in read.jobs])
+    tally = run_sweep(read.jobs, plan, folder, Options(workers=WORKERS), sys.stderr)
+    if tally.failed:
+        _say(f"{folder}: {tally.failed} of {tally.jobs} jobs failed; see 'upwash status {folder}'")
+        raise click.exceptions.Exit(FAILED_EXIT)
+    aggregate(folder, _say)
+    jobs, findings = check(folder)
+    for finding in findings[1:]:
+        _say(str(finding))
+    if findings:
+        raise CheckFailed(f"{folder}: {findings[0]}")
+    _say(f"{folder}: {jobs} jobs solved and checked")
+    return read.text

@@ -1,0 +1,330 @@
+"""Sweeps over many: run, status, aggregate, check, show, rerun, diff."""
+
+from __future__ import annotations
+
+import json
+import sys
+from dataclasses import asdict
+from typing import Any
+
+import click
+
+FAILED_EXIT = 1
+FINDINGS_SHOWN = 20
+
+# What tells a job's optima, or a flock's birds, from one another.
+OF_AN_OPTIMUM: tuple[str, ...]
+OF_AN_OPTIMUM = ("bird", "leader", "rank", "is_v_optimum", "x_m", "y_m", "z_m", "amplitude_m", "phase")
+OF_AN_OPTIMUM += ("upstroke_span_ratio", "cost", "saving_total", "residual_lift", "residual_thrust")
+OF_AN_OPTIMUM += ("placement", "tier", "station")
+
+as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+results = click.argument("results", metavar="RESULTS")
+
+
+def _say(line: str) -> None:
+    """Write a line for a person, apart from the results."""
+    click.echo(line, err=True)
+
+
+def _print_json(value: Any) -> None:
+    click.echo(json.dumps(value, indent=2, allow_nan=False))
+
+
+class ShardType(click.ParamType):
+    """Part i of n, as in 3/16."""
+
+    name = "i/n"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read ``i/n``."""
+        from upwash.batch.folder import Shard
+
+        if isinstance(value, Shard):
+            return value
+        number, _, count = str(value).partition("/")
+        if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+            self.fail(f"expected i/n with 1 <= i <= n, as in 3/16, found {value!r}", param, ctx)
+        return Shard(int(number), int(count))
+
+
+@click.command()
+@click.argument("sweep")
+@click.option("--results", metavar="DIR", help="Results folder.  [default: results/NAME-OF-THE-SWEEP]")
+@click.option("--dry-run", is_flag=True, help="List each job and why it would run; write nothing.")
+@click.option("--workers", type=click.IntRange(1), default=2, show_default=True, help="Worker processes.")
+@click.option("--backend", type=click.Choice(["loky", "dask"]), default="loky", show_default=True)
+@click.option("--scheduler", metavar="ADDRESS", help="Address of the dask scheduler, as in tcp://host:8786.")
+@click.option("--shard", type=ShardType(), default="1/1", show_default=True, help="Do part i of n only.")
+@click.option("--retry-failed", is_flag=True, help="Do failed jobs again.")
+@click.option("--fail-fast", is_flag=True, help="Stop at the first failure.")
+@as_json
+def run(
+    sweep: str,
+    results: str | None,
+    dry_run: bool,
+    workers: int,
+    backend: str,
+    scheduler: str | None,
+    shard: Any,
+    retry_failed: bool,
+    fail_fast: bool,
+    as_json: bool,
+) -> None:
+    """Solve every job of a sweep that has no result yet.
+
+    SWEEP is a name in sweeps/ or the path of a TOML file. Interrupt it at will: what is finished is kept, and
+    the same command goes on from there.
+
+    \b
+    Example:
+      upwash run reproduce
+    """
+    from upwash.batch.folder import Plan, ResultsFolder
+    from upwash.errors import UpwashError
+    from upwash.sweep import read_sweep
+
+    if (backend == "dask") != bool(scheduler):
+        raise UpwashError(
+            "--backend dask and --scheduler ADDRESS: expected both or neither, found one; add the other"
+        )
+    read = read_sweep(sweep)
+    folder = ResultsFolder(results or f"results/{read.name}")
+    if dry_run:
+        from upwash.batch.dry_run import foresee
+
+        foresight = foresee(read.jobs, folder, shard, retry_failed, workers)
+        if as_json:
+            _print_json(asdict(foresight))
+        else:
+            for job in foresight.jobs:
+                click.echo(f"{job.job_id}  {'run ' if job.runs else 'keep'}  {job.label}  ({job.reason})")
+            _say(foresight.words())
+        return
+    from upwash.batch.runner import Interrupted, Options, run_sweep
+
+    plan = Plan(read.name, read.jobs[0].kind, read.text, [job.job_id for job in read.jobs])
+    options = Options(workers, backend, scheduler or "", shard, retry_failed, fail_fast)
+    try:
+        tally = run_sweep(read.jobs, plan, folder, options, sys.stderr)
+    except Interrupted as interrupt:
+        tally = interrupt.tally
+        _say(
+            f"Interrupted: {tally.kept + tally.done} of {tally.jobs} jobs are done and kept in {folder}; "
+            "run the same command again to go on"
+        )
+        raise click.exceptions.Exit(130) from None
+    if as_json:
+        _print_json({"results": str(folder), **asdict(tally), "left": tally.left})
+    else:
+        failed = f", {tally.failed} failed" if tally.failed else ""
+        left = f", {tally.left} left" if tally.left else ""
+        _say(f"{folder}: {tally.jobs} jobs, {tally.done} done now, {tally.kept} before{failed}{left}")
+    if tally.failed:
+        _say("see 'upwash status' for the causes; --retry-failed does them again")
+        raise click.exceptions.Exit(FAILED_EXIT)
+
+
+@click.command()
+@results
+@as_json
+def status(results: str, as_json: bool) -> None:
+    """Say how far a sweep has come.
+
+    Exit code 1 if some jobs failed.
+
+    \b
+    Example:
+      upwash status results/reproduce
+    """
+    from upwash.batch.folder import ResultsFolder
+    from upwash.batch.progress import duration
+    from upwash.batch.status import status_of
+
+    found = status_of(ResultsFolder(results))
+    if as_json:
+        _print_json(asdict(found))
+    else:
+        ended = [f"{found.solved} solved", f"{found.infeasible} infeasible", f"{found.failed} failed"]
+        click.echo(f"{found.jobs} jobs: {', '.join([*ended, f'{found.left} left'])}")
+        for cause, count in found.causes.items():
+            click.echo(f"  {count} x {cause}")
+        if found.others:
+            click.echo(f"{found.others} results of jobs that the sweep does not name")
+        if found.jobs_per_s and found.seconds_left is not None:
+            click.echo(f"running: {found.jobs_per_s:.3g} jobs/s, {duration(found.seconds_left)} left")
+        else:
+            click.echo("running" if found.is_running else "not running")
+    if found.failed:
+        raise click.exceptions.Exit(FAILED_EXIT)
+
+
+@click.command()
+@results
+@as_json
+def aggregate(results: str, as_json: bool) -> None:
+    """Gather the jobs' files into solutions.parquet (flock.parquet) and summary.parquet.
+
+    A sweep over species, over samples of their ranges or for sensitivity indices gets its tables as well, in
+    RESULTS/tables.
+
+    \b
+    Example:
+      upwash aggregate results/reproduce
+    """
+    from upwash.batch.aggregate import aggregate as gather
+    from upwash.batch.folder import ResultsFolder
+    from upwash.report.studies import after_aggregate
+
+    gathered = gather(ResultsFolder(results), _say)
+    if as_json:
+        _print_json(asdict(gathered))
+    else:
+        missing = f", {gathered.missing} without a result yet" if gathered.missing else ""
+        retired = f", {gathered.retired} that the sweep does not name set apart" if gathered.retired else ""
+        _say(f"{results}: gathered {gathered.jobs} jobs{missing}{retired}")
+    after_aggregate(results, _say)
+
+
+@click.command()
+@results
+@as_json
+def check(results: str, as_json: bool) -> None:
+    """Check that a results folder holds what it must.
+
+    Schema, units, versions, one result a job, balances, bounds, ranks and labels; forces, powers and costs
+    computed anew from each stored solution; the summary against its rows. Exit code 3 if anything does not
+    hold.
+
+    \b
+    Example:
+      upwash check results/reproduce
+    """
+    from upwash.batch.check import check as look_at
+    from upwash.batch.folder import ResultsFolder
+    from upwash.errors import CheckFailed
+
+    jobs, findings = look_at(ResultsFolder(results))
+    if as_json:
+        _print_json({"results": results, "jobs": jobs, "findings": [asdict(one) for one in findings]})
+    for finding in findings[1:FINDINGS_SHOWN]:
+        _say(str(finding))
+    if findings:
+        more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
+        raise CheckFailed(f"{results}: {findings[0]}{more}")
+    _say(f"{results}: {jobs} jobs, all in order")
+
+
+@click.command()
+@results
+@click.argument("job")
+@as_json
+def show(results: str, job: str, as_json: bool) -> None:
+    """Show one job: its inputs, and each of its optima.
+
+    JOB is its id, or the beginning of it.
+
+    \b
+    Example:
+      upwash show results/reproduce 20f1
+    """
+    from upwash.batch.compare import COLUMNS
+    from upwash.batch.folder import ResultsFolder
+    from upwash.batch.lookup import rows_of
+
+    rows = rows_of(ResultsFolder(results), job)
+    if as_json:
+        _print_json(rows)
+        return
+    table = [name for name in OF_AN_OPTIMUM if name in rows[0]]
+    for name, value in rows[0].items():
+        if name not in table and value not in (None, "") and all(row[name] == value for row in rows):
+            unit = COLUMNS[name].unit if COLUMNS[name].unit != "1" else ""
+            click.echo(f"{name:28}{_cell(value)} {unit}".rstrip())
+    shown = [name for name in table if any(row[name] is not None for row in rows)]
+    lines = [shown, *([_cell(row[name]) for name in shown] for row in rows)] if shown else []
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    for line in lines:
+        click.echo("  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)))
+    for row in rows if len(rows) > 1 else ():
+        if row["error"]:
+            click.echo(f"bird {row['bird']}: {row['error']}")
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return "-" if value is None else str(value)
+
+
+@click.command()
+@results
+@click.argument("job")
+@as_json
+def rerun(results: str, job: str, as_json: bool) -> None:
+    """Solve one stored job again, from its own inputs alone, and compare.
+
+    JOB is its id, or the beginning of it. Nothing is written. Exit code 3 if the results do not agree.
+
+    \b
+    Example:
+      upwash rerun results/reproduce 20f1
+    """
+    from upwash.batch.compare import compare
+    from upwash.batch.folder import ResultsFolder
+    from upwash.batch.job import job_of, run_job
+    from upwash.batch.lookup import rows_of
+    from upwash.batch.store import ROWS, table_of
+
+    stored = rows_of(ResultsFolder(results), job)
+    again = job_of(stored[0])
+    schema = ROWS[again.kind]
+    rows = [{name: row[name] for name in schema.names} for row in stored]
+    comparison = compare(table_of(rows, schema), table_of(run_job(again), schema))
+    _report([comparison], f"{results}, job {again.job_id}", ("stored", "now"), as_json)
+
+
+@click.command()
+@click.argument("first", metavar="A")
+@click.argument("second", metavar="B")
+@as_json
+def diff(first: str, second: str, as_json: bool) -> None:
+    """Compare two results folders, job by job.
+
+    Jobs are the same if their physical inputs are, whatever their ids. Each column has its own tolerance.
+    Exit code 3 if the folders do not agree.
+
+    \b
+    Example:
+      upwash diff results/reproduce results/reference
+    """
+    from upwash.batch.compare import compare_folders
+    from upwash.batch.folder import ResultsFolder
+
+    comparisons = compare_folders(ResultsFolder(first), ResultsFolder(second))
+    _report(comparisons, f"{first} and {second}", (first, second), as_json)
+
+
+def _report(comparisons: Any, what: str, names: tuple[str, str], as_json: bool) -> None:
+    """Print what came of a comparison, and fail if that is not agreement."""
+    from upwash.errors import CheckFailed
+
+    if as_json:
+        _print_json([asdict(one) for one in comparisons])
+    else:
+        for one in comparisons:
+            for name, jobs in zip(names, (one.only_first, one.only_second), strict=True):
+                if jobs:
+                    shown = ", ".join(jobs[:3]) + (", ..." if len(jobs) > 3 else "")
+                    click.echo(f"only in {name}: {len(jobs)} jobs ({shown})")
+            for found in one.differences:
+                values = f"{_cell(found.first)} and {_cell(found.second)}"
+                rows = f"{found.rows} of {one.rows} rows"
+                click.echo(
+                    f"{found.column}: {rows}, most in job {found.job_id}: {values} (allowed {found.allowed})"
+                )
+    if not all(one.agrees for one in comparisons):
+        raise CheckFailed(f"{what}: expected agreement, found differences in rows or columns, listed above")
+    _say(f"{what} agree in {comparisons[0].rows} rows")

@@ -1,0 +1,147 @@
+"""Single problems: optimum, flock."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from upwash.aero.power import COST_FUNCTIONS
+from upwash.species import AMPLITUDE_CONVENTIONS
+from upwash.sweep.job import FLOCK_CHOICES
+
+as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
+
+
+def problem(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the argument and options that `upwash.sweep.single.single_job` makes a job of."""
+    options = (
+        click.argument("species"),
+        click.option(
+            "--objective",
+            type=click.Choice(list(COST_FUNCTIONS)),
+            default="force",
+            show_default=True,
+            help="What is to be least.",
+        ),
+        click.option(
+            "--amplitude",
+            type=click.Choice(list(AMPLITUDE_CONVENTIONS)),
+            default="stroke-angle",
+            show_default=True,
+            help="How the lone bird's amplitude is chosen.",
+        ),
+        click.option(
+            "--set",
+            "settings",
+            metavar="NAME=VALUE",
+            multiple=True,
+            help="Set an input, in SI units, as in speed_m_s=12; may be repeated.",
+        ),
+        click.option(
+            "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the search."
+        ),
+        click.option(
+            "--tolerance", type=float, default=1e-4, show_default=True, help="Gap to which to prove the best."
+        ),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+@click.command()
+@problem
+@click.option("--all", "show_all", is_flag=True, help="Print every optimum, with the evidence for it.")
+@as_json
+def optimum(show_all: bool, json_output: bool, **chosen: Any) -> None:
+    """Find the best positions of one bird behind another, and prove how good they are.
+
+    SPECIES is a name in the library or the path of a TOML file. That no follower can fly is a result like any
+    other. JSON holds every optimum, by the columns of solutions.parquet.
+
+    \b
+    Example:
+      upwash optimum northern-bald-ibis --objective power
+      upwash optimum ./mybird.toml --set speed_m_s=12 --all
+    """
+    from upwash.batch.job import solve
+    from upwash.batch.store import SOLUTIONS, table_of
+    from upwash.report.answer import answer, job_record
+    from upwash.sweep.single import single_job
+
+    table = table_of(solve(single_job("pair", **chosen)), SOLUTIONS)
+    if json_output:
+        click.echo(json.dumps(job_record(table.to_pylist()), indent=2, allow_nan=False))
+        return
+    rows = table.to_pandas()
+    click.echo(answer(rows, show_all))
+    click.echo(f"solved in {rows['solve_time_s'].iloc[0]:.2f} s", err=True)
+
+
+@click.command()
+@problem
+@click.option(
+    "--birds", type=click.IntRange(2), default=6, show_default=True, help="Birds, the first one included."
+)
+@click.option(
+    "--shape",
+    type=click.Choice(FLOCK_CHOICES["shape"]),
+    default="echelon",
+    show_default=True,
+    help="One line, two from one leader, or one that changes sides.",
+)
+@click.option(
+    "--wake",
+    type=click.Choice(FLOCK_CHOICES["wake"]),
+    default="neighbour",
+    show_default=True,
+    help="Whether a bird feels the wake of the bird that it follows, or of every bird ahead.",
+)
+@click.option(
+    "--wavelengths", type=click.IntRange(1), default=1, show_default=True, help="Length of each wake."
+)
+@click.option(
+    "--reading",
+    type=click.Choice(FLOCK_CHOICES["reading"]),
+    default="immediate",
+    show_default=True,
+    help="Whose amplitude bounds a bird's: that of the bird that it follows, or a lone bird's.",
+)
+@click.option("--joint", is_flag=True, help="Improve all birds together, for the sum of their costs.")
+@as_json
+def flock(joint: bool, json_output: bool, **chosen: Any) -> None:
+    """Chain pairs into a flock: each bird flies where it flies best behind those ahead of it.
+
+    SPECIES is a name in the library or the path of a TOML file. A bird for which there is no place ends the
+    flock, and the last line says why. JSON holds every bird, by the columns of flock.parquet.
+
+    \b
+    Example:
+      upwash flock northern-bald-ibis --birds 6 --objective power
+      upwash flock northern-bald-ibis --shape vee --wake all-upstream --joint
+    """
+    from upwash.batch.job import flock_of, inputs_of, solve
+    from upwash.batch.store import FLOCK, table_of
+    from upwash.report.flock_answer import flock_answer, flock_record
+    from upwash.sweep.single import single_job
+
+    job = single_job("flock", **chosen)
+    chain = table_of(solve(job), FLOCK)
+    improved = None
+    if joint:
+        from upwash.optimum import improve_together
+
+        solution = improve_together(flock_of(job))
+        improved = table_of([inputs_of(job) | row for row in solution.flock.rows()], FLOCK)
+    if json_output:
+        record = flock_record((improved or chain).to_pylist())
+        if improved:
+            record |= {"stationarity": solution.stationarity, "given_up": [0.0, *solution.given_up]}
+        click.echo(json.dumps(record, indent=2, allow_nan=False))
+    elif improved:
+        click.echo(flock_answer(improved.to_pandas(), chain.to_pandas()))
+    else:
+        click.echo(flock_answer(chain.to_pandas()))

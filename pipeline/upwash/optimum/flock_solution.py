@@ -1,0 +1,157 @@
+"""What a flock is once it is solved: where and how each bird flies, and what it spends."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict, dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+from upwash.aero.bird import Bird
+from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+from upwash.aero.wake import WakeModel
+from upwash.optimum.flock_wake import Place
+from upwash.optimum.solution import Optimum, Proof
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Member:
+    """One bird of a flock.
+
+    Attributes
+    ----------
+    number, leader : int
+        Its number, 1 the first, and that of the bird it follows, 0 for none.
+    place : Place or None
+        Where and how it flies; None if there is nowhere.
+    optimum : Optimum or None
+        Its V optimum, relative to the bird it follows; None for the first bird, and where there is none.
+    proof : Proof or None
+        What was shown of its problem; None for the first bird.
+    solve_time_s : float
+        Wall time of its solution, in s.
+    error : str
+        Why it has no place, or "".
+    """
+
+    number: int
+    leader: int
+    place: Place | None
+    optimum: Optimum | None = None
+    proof: Proof | None = None
+    solve_time_s: float = 0.0
+    error: str = ""
+
+
+@dataclass(frozen=True)
+class FlockSolution:
+    """A flock, bird by bird from the front.
+
+    Attributes
+    ----------
+    bird : Bird
+        The first bird, which sets weight, drag and circulation for all.
+    objective, reading, shape, wake : str
+        What was least for each bird, and how the flock is built.
+    wavelengths : int
+        Length of each wake.
+    model : WakeModel
+        Resolution of the wakes.
+    members : tuple of Member
+        The birds, the first one included.  If there is no place for one, it is the last.
+    """
+
+    bird: Bird
+    objective: str
+    reading: str
+    shape: str
+    wake: str
+    wavelengths: int
+    model: WakeModel
+    members: tuple[Member, ...]
+
+    @property
+    def placed(self) -> tuple[Member, ...]:
+        """The birds that have a place."""
+        return tuple(one for one in self.members if one.place is not None)
+
+    def total_cost(self) -> float:
+        """Sum of the costs of the birds that have a place, the first one included."""
+        alone = COST_FUNCTIONS[self.objective].value(self.bird, self.bird.weight_n, self.bird.drag_n)
+        return alone + sum(one.optimum.cost for one in self.placed if one.optimum)
+
+    def worst_residual(self) -> float:
+        """Largest imbalance of any bird, over weight or drag."""
+        optima = [one.optimum for one in self.placed if one.optimum]
+        return max(
+            (abs(value) for one in optima for value in (one.residual_lift, one.residual_thrust)), default=0.0
+        )
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return one dictionary per bird, by the columns of the results."""
+        return [self._row(one) for one in self.members]
+
+    def frame(self) -> pd.DataFrame:
+        """Return the rows as a pandas DataFrame."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def _row(self, one: Member) -> dict[str, Any]:
+        row: dict[str, Any] = {"status": "solved", "error": None, "bird": one.number}
+        row["leader"] = one.leader or None
+        ahead = self.members[one.leader - 1].place if one.leader else one.place
+        if ahead is not None:
+            row["leader_amplitude_m"] = ahead.amplitude_m
+            row["leader_upstroke_span_ratio"] = ahead.upstroke_span_ratio
+        if one.proof is not None:
+            row |= {f.name: getattr(one.proof, f.name) for f in fields(Proof) if f.name != "is_closed"}
+            row["solve_time_s"] = one.solve_time_s
+        if one.place is None:
+            return row | {"status": "infeasible", "error": one.error}
+        row |= {f"{axis}_flock_m": getattr(one.place, f"{axis}_m") for axis in "xyz"}
+        row["phase_flock"] = one.place.phase
+        return row | (asdict(one.optimum) if one.optimum else lone_columns(self.bird, self.objective))
+
+
+def on_side(optimum: Optimum, side: float) -> Optimum:
+    """Return an optimum to the right of the bird ahead as it is on a side: 1 right, −1 left."""
+    if side > 0.0:
+        return optimum
+    exchanged = re.sub(
+        "left|right", lambda found: {"left": "right"}.get(found[0], "left"), optimum.core_edges
+    )
+    return replace(optimum, y_m=0.0 - optimum.y_m, core_edges=exchanged)
+
+
+def lone_columns(bird: Bird, objective: str) -> dict[str, Any]:
+    """Return what the columns of the results are for a bird that follows none."""
+    powers = (
+        induced_power_w(bird, bird.weight_n),
+        profile_power_w(bird, bird.drag_n),
+        parasite_power_w(bird),
+    )
+    cost = COST_FUNCTIONS[objective].value(bird, bird.weight_n, bird.drag_n)
+    row: dict[str, Any] = {
+        "amplitude_m": bird.amplitude_m,
+        "upstroke_span_ratio": bird.upstroke_span_ratio,
+        "weight_n": bird.weight_n,
+        "drag_n": bird.drag_n,
+        "lift_self_n": bird.lift_n(bird.upstroke_span_ratio),
+        "thrust_self_n": bird.thrust_n(bird.amplitude_m, bird.upstroke_span_ratio),
+        "lift_wake_n": 0.0,
+        "thrust_wake_n": 0.0,
+        "saving_induced": 0.0,
+        "saving_profile": 0.0,
+        "saving_total": 0.0,
+        "cost": cost,
+        "cost_leader": cost,
+    }
+    row["residual_lift"] = row["lift_self_n"] / bird.weight_n - 1.0
+    row["residual_thrust"] = row["thrust_self_n"] / bird.drag_n - 1.0
+    for name, power in zip(("induced", "profile", "parasite"), powers, strict=True):
+        row[f"power_{name}_w"] = row[f"leader_power_{name}_w"] = power
+    row["power_total_w"] = row["leader_power_total_w"] = sum(powers)
+    return row

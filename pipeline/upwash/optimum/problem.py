@@ -1,0 +1,288 @@
+"""The follower's problem in scaled variables: what may vary, within which bounds, and what must balance.
+
+Lengths are in semispans, forces in weights of the bird, costs in the cost of the lone leader, so birds of any mass pose
+the same problem.  The variables are (x, y, z, h, R, t): position of the follower relative to its leader, its amplitude,
+its upstroke span ratio and the phase coordinate t.  With two stroke states t is μ = |κ − ½| and covers all phases; with
+more, the problem is posed once for each piece of phase in which the weights are linear.
+
+Two equalities, lift and thrust, hold at every solution; the cost depends on (h, R) alone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from upwash.aero.bird import Bird
+from upwash.aero.interaction import phase_piece, state_circulation_ratio, wake_force
+from upwash.aero.lanes import wake_force_jacobian, wake_lanes
+from upwash.aero.power import (
+    COST_FUNCTIONS,
+    CostFunction,
+    induced_power_w,
+    parasite_power_w,
+)
+from upwash.aero.wake import Wake, WakeModel, vortex_wake
+
+VARIABLES = ("x", "y", "z", "h", "R", "mu")
+"""Names of the six variables, in order, as they appear in `active_bounds`."""
+
+STREAMWISE_REACH = 1.5
+"""Far bound of x_F − x_L in wavelengths; the paper states none."""
+
+SPANWISE_REACH = 4.0
+"""Far bound of y_F − y_L in semispans; the paper states none."""
+
+LEAST_AMPLITUDE = 0.25
+"""Least amplitude of the follower over the limit above."""
+
+SPAN_RATIO_BOUNDS = (0.3, 0.5)
+"""Bounds of the follower's upstroke span ratio."""
+
+# Positions in the array of constants that the compiled functions take.
+LIFT_FIXED, LIFT_RATIO, THRUST_FIXED, THRUST_RATIO, DRAG = range(5)
+COST_FORCE, COST_LIFT2, COST_THRUST, COST_FIXED, CORE2 = range(5, 10)
+
+
+@dataclass(frozen=True)
+class PairProblem:
+    """One follower behind one leader.
+
+    Parameters
+    ----------
+    bird : Bird
+        The first bird of the flock: it sets weight, drag, circulation, wavelength and semispan for all.
+    objective : str
+        Name of a cost function in `upwash.aero.power.COST_FUNCTIONS`.
+    leader_amplitude_m, leader_upstroke_span_ratio : float, optional
+        Stroke of the bird immediately ahead; that of `bird` if not given.
+    amplitude_limit_m : float, optional
+        Largest amplitude of the follower; that of the bird immediately ahead if not given.
+    model : WakeModel
+        Resolution of the wake.
+    piece : int, optional
+        Piece of phase, κ = piece/N + t.
+
+    Raises
+    ------
+    ValueError
+        If the objective is unknown or a value is out of range.
+    """
+
+    bird: Bird
+    objective: str = "force"
+    # None stands for the bird's own until __post_init__ puts it in.
+    leader_amplitude_m: float = None  # type: ignore[assignment]
+    leader_upstroke_span_ratio: float = None  # type: ignore[assignment]
+    amplitude_limit_m: float = None  # type: ignore[assignment]
+    model: WakeModel = field(default_factory=WakeModel)
+    piece: int = 1
+
+    lanes: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+    constants: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+    bounds: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        bird = self.bird
+        if self.objective not in COST_FUNCTIONS:
+            raise ValueError(
+                f"objective: expected one of {', '.join(sorted(COST_FUNCTIONS))}, found {self.objective!r}"
+            )
+        if self.leader_amplitude_m is None:
+            object.__setattr__(self, "leader_amplitude_m", bird.amplitude_m)
+        if self.leader_upstroke_span_ratio is None:
+            object.__setattr__(self, "leader_upstroke_span_ratio", bird.upstroke_span_ratio)
+        if self.amplitude_limit_m is None:
+            object.__setattr__(self, "amplitude_limit_m", self.leader_amplitude_m)
+        # The bird's own rules hold for the bird ahead and for the limit.
+        replace(
+            bird,
+            amplitude_m=self.leader_amplitude_m,
+            upstroke_span_ratio=self.leader_upstroke_span_ratio,
+        )
+        replace(bird, amplitude_m=self.amplitude_limit_m)
+        object.__setattr__(self, "lanes", self._lanes())
+        object.__setattr__(self, "constants", self._constants())
+        object.__setattr__(self, "bounds", self._bounds())
+
+    @property
+    def cost_function(self) -> CostFunction:
+        """The cost function that `objective` names."""
+        return COST_FUNCTIONS[self.objective]
+
+    @property
+    def leader_cost(self) -> float:
+        """Cost of the lone bird, in the cost function's unit; the unit of cost in the scaled problem."""
+        return self.cost_function.value(self.bird, self.bird.weight_n, self.bird.drag_n)
+
+    @property
+    def leader_height(self) -> float:
+        """Amplitude of the bird ahead, in semispans."""
+        return self.leader_amplitude_m / self.bird.semispan_m
+
+    @property
+    def wavelength(self) -> float:
+        """Wavelength, in semispans."""
+        return self.bird.wavelength_m / self.bird.semispan_m
+
+    def phase(self, coordinate: float) -> float:
+        """Phase κ in [0, 1) at a phase coordinate; with two stroke states the lesser of the two equal ones."""
+        if self.model.stroke_states == 2 and self.piece == 1:
+            return 0.5 - coordinate
+        return (self.piece / self.model.stroke_states + coordinate) % 1.0
+
+    def wake(self) -> Wake:
+        """Vortex rings that the follower feels, in semispans; their states are the rows of `phase_ramp`."""
+        return vortex_wake(
+            self.leader_height,
+            self.leader_upstroke_span_ratio,
+            1.0,
+            self.wavelength,
+            self.bird.circulation_m2_s / self.bird.semispan_m,
+            self.bird.circulation_ratio,
+            self.model.stroke_states,
+        )
+
+    def phase_ramp(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Phase weights β₀ and β₁ of the wake's states (rows) and the follower's, linear in the coordinate."""
+        return phase_piece(self.piece, self.model.stroke_states)
+
+    def phase_span(self) -> float:
+        """Greatest phase coordinate."""
+        return 1.0 / self.model.stroke_states
+
+    def ring_name(self, ring: int) -> str:
+        """Name a ring of `wake`."""
+        wake = self.wake()
+        stroke, state = "upstroke" if wake.is_upstroke[ring] else "downstroke", wake.state[ring]
+        leader = ("up", "down")[state] if self.model.stroke_states == 2 else str(state)
+        return f"{stroke} ring (leader {leader})"
+
+    def wake_force_n(
+        self, position_m: tuple[float, float, float], amplitude_m: float, span_ratio: float, phase: float
+    ) -> tuple[float, float]:
+        """Lift and thrust of the wake on a follower, in N, by the plain statement of the model."""
+        ahead = self.leader_amplitude_m, self.leader_upstroke_span_ratio
+        return wake_force(self.bird, *ahead, position_m, amplitude_m, span_ratio, phase, self.model)
+
+    def _lanes(self) -> NDArray[np.float64]:
+        bird, states = self.bird, self.model.stroke_states
+        unit = 2.0 * bird.density_kg_m3 * bird.semispan_m * bird.circulation_m2_s / bird.weight_n
+        follower = np.array([unit * state_circulation_ratio(bird, k, states) for k in range(states)])
+        return wake_lanes(self.wake(), *self.phase_ramp(), follower, states, self.model.span_nodes)
+
+    def _constants(self) -> NDArray[np.float64]:
+        bird, cost = self.bird, self.cost_function
+        alone = bird.lift_span(bird.upstroke_span_ratio)
+        thrust_unit = 1.0 / (self.wavelength * alone)
+        scale = 1.0 / (self.leader_cost * (bird.speed_m_s if cost.per_metre else 1.0))
+        found = np.empty(10)
+        found[LIFT_FIXED] = bird.lift_span(0.0) / alone
+        found[LIFT_RATIO] = (bird.lift_span(1.0) - bird.lift_span(0.0)) / alone
+        found[THRUST_FIXED] = bird.thrust_span(0.0) * thrust_unit
+        found[THRUST_RATIO] = (bird.thrust_span(1.0) - bird.thrust_span(0.0)) * thrust_unit
+        found[DRAG] = bird.drag_n / bird.weight_n
+        found[COST_FORCE] = cost.force * bird.weight_n * scale
+        found[COST_LIFT2] = cost.induced * induced_power_w(bird, bird.weight_n) * scale
+        found[COST_THRUST] = cost.profile * bird.speed_m_s * bird.weight_n * scale
+        found[COST_FIXED] = cost.parasite * parasite_power_w(bird) * scale
+        found[CORE2] = self.model.core_radius_ratio**2
+        return found
+
+    def _bounds(self) -> NDArray[np.float64]:
+        limit = self.amplitude_limit_m / self.bird.semispan_m
+        return np.array(
+            [
+                [0.0, STREAMWISE_REACH * self.wavelength],
+                [0.0, SPANWISE_REACH],
+                [-self.leader_height, self.leader_height],
+                [LEAST_AMPLITUDE * limit, limit],
+                list(SPAN_RATIO_BOUNDS),
+                [0.0, self.phase_span()],
+            ]
+        )
+
+    def v_bounds(self) -> NDArray[np.float64]:
+        """Bounds of the part of the problem that is outboard, level and astern, where a V optimum is sought.
+
+        Returns
+        -------
+        (6, 2) ndarray of float
+            As `bounds`; an empty range (lower above upper) means that the problem has no such part.
+        """
+        found = self.bounds.copy()
+        found[0, 0] = max(found[0, 0], ASTERN)
+        found[1, 0] = max(found[1, 0], OUTBOARD)
+        level = LEVEL * self.bird.amplitude_m / self.bird.semispan_m
+        found[2, 0], found[2, 1] = max(found[2, 0], -level), min(found[2, 1], level)
+        return found
+
+
+ASTERN = 1.0
+"""Least streamwise distance, in semispans, of a follower that its leader does not feel."""
+
+OUTBOARD = 1.0
+"""Least spanwise distance, in semispans, of a follower outboard of its leader."""
+
+LEVEL = 0.5
+"""Largest vertical distance, in amplitudes of the first bird, of a follower level with its leader."""
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def evaluate(point, lanes, edges, constants, residual, gradient, jacobian):
+    """Return the scaled cost of a point; fill in its gradient and the balances with their Jacobian.
+
+    Parameters
+    ----------
+    point : (6,) ndarray of float
+        x, y, z, h, R, t.
+    lanes, edges : ndarray of float
+        See `upwash.aero.lanes.wake_force_jacobian`.
+    constants : (10,) ndarray of float
+        `PairProblem.constants`.
+    residual : (2,) ndarray of float
+        Overwritten: lift and thrust, own and the wake's, less weight and drag; in weights.
+    gradient : (6,) ndarray of float
+        Overwritten: gradient of the cost.
+    jacobian : (2, 6) ndarray of float
+        Overwritten: Jacobian of the residual.
+
+    Returns
+    -------
+    float
+        The cost.
+    """
+    wake_lift, wake_thrust = wake_force_jacobian(point, lanes, constants[CORE2], edges, jacobian)
+    amplitude, ratio = point[3], point[4]
+    lift = constants[LIFT_FIXED] + constants[LIFT_RATIO] * ratio
+    thrust_span = constants[THRUST_FIXED] + constants[THRUST_RATIO] * ratio
+    thrust = amplitude * thrust_span
+    residual[0] = lift + wake_lift - 1.0
+    residual[1] = thrust + wake_thrust - constants[DRAG]
+    jacobian[0, 4] += constants[LIFT_RATIO]
+    jacobian[1, 3] += thrust_span
+    jacobian[1, 4] += amplitude * constants[THRUST_RATIO]
+    cost, by_lift, by_thrust = cost_of(lift, thrust, constants)
+    gradient[:] = 0.0
+    gradient[3] = by_thrust * thrust_span
+    gradient[4] = by_lift * constants[LIFT_RATIO] + by_thrust * amplitude * constants[THRUST_RATIO]
+    return cost
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def cost_of(lift, thrust, constants):
+    """Return the scaled cost of self-generated lift and thrust (in weights) and its derivatives by the two."""
+    force = math.sqrt(lift * lift + thrust * thrust)
+    cost = (
+        constants[COST_FORCE] * force
+        + constants[COST_LIFT2] * lift * lift
+        + constants[COST_THRUST] * thrust
+        + constants[COST_FIXED]
+    )
+    by_lift = constants[COST_FORCE] * lift / force + 2.0 * constants[COST_LIFT2] * lift
+    by_thrust = constants[COST_FORCE] * thrust / force + constants[COST_THRUST]
+    return cost, by_lift, by_thrust

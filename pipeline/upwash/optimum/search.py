@@ -1,0 +1,211 @@
+"""Local solves from many starts, merged into basins.
+
+Each start descends to a local optimum, and optima closer than a distance in scaled variables are one basin.  Starts
+are drawn first over the kinds of place that a follower may have, the same number in each: a small place, as that beside
+the leader, has its optima like a large one.  Good optima lie near other good optima, so starts are then drawn around
+the best, and around those that this finds.  The same seed gives the same basins for any number of workers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from upwash.optimum.edges import distinct_edges
+from upwash.optimum.local import SCALE, SOLVED, solve_local
+from upwash.optimum.problem import ASTERN, CORE2, OUTBOARD, PairProblem
+
+SAME_BASIN = 1e-4
+"""Largest distance of two ends of local solves, in units of `SCALE`, that are taken for one optimum."""
+
+NEAR_BEST = 1.02
+"""Basins that cost at most this many times the best are searched around."""
+
+NEIGHBOURHOOD = np.array([0.5, 0.5, 0.5, 0.5, 0.1])
+"""How far around a basin starts are drawn, in (x, y, z, h, R); in phase they are drawn over all of it."""
+
+NEIGHBOURS, MOST_NEIGHBOURHOODS = 30, 40
+"""Starts around a basin; basins that are searched around at most, the best first."""
+
+
+@dataclass(frozen=True)
+class Basin:
+    """One local optimum in scaled variables.
+
+    Attributes
+    ----------
+    point : (6,) ndarray of float
+        x, y, z, h, R, t.
+    cost : float
+        Cost over that of the lone leader.
+    multipliers : (2,) ndarray of float
+        Multipliers of the lift and the thrust balance.
+    pins : (e,) ndarray of float
+        Multipliers of the core edges to which the optimum is pinned, 0 for the others.
+    hits : int
+        How many starts ended here.
+    """
+
+    point: NDArray[np.float64]
+    cost: float
+    multipliers: NDArray[np.float64]
+    pins: NDArray[np.float64]
+    hits: int
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def solve_many(
+    starts, lanes, group, representative, constants, bounds, points, costs, multipliers, pins, status
+):
+    """Solve from every start; all results are written into the arrays given.
+
+    Parameters
+    ----------
+    starts : (n, 6) ndarray of float
+        Starts.
+    lanes, group, representative, constants, bounds
+        See `upwash.optimum.local.solve_local`.
+    points, costs, multipliers, pins, status : ndarray
+        Overwritten: (n, 6), (n,), (n, 2), (n, e) and (n,), one row a start.
+
+    Returns
+    -------
+    int
+        Steps taken in all.
+    """
+    steps = 0
+    for k in range(starts.shape[0]):
+        status[k], costs[k], taken = solve_local(
+            starts[k],
+            lanes,
+            group,
+            representative,
+            constants,
+            bounds,
+            points[k],
+            multipliers[k],
+            pins[k],
+        )
+        steps += taken
+    return steps
+
+
+class Search:
+    """The basins of one problem, as far as they have been found.
+
+    Parameters
+    ----------
+    problem : PairProblem
+        What to solve.
+    seed : int
+        Seed of the random starts.
+    """
+
+    def __init__(self, problem: PairProblem, seed: int = 0) -> None:
+        self.problem = problem
+        self.random = np.random.default_rng(seed)
+        self.group, self.representative = distinct_edges(
+            problem.lanes, problem.constants[CORE2], problem.bounds
+        )
+        self.starts = 0
+        self.basins: list[Basin] = []
+        self.searched_around: list[Basin] = []
+
+    def random_starts(self, bounds: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+        """Draw starts evenly over a box."""
+        return bounds[:, 0] + self.random.random((count, 6)) * (bounds[:, 1] - bounds[:, 0])
+
+    def descend(self, starts: NDArray[np.float64], bounds: NDArray[np.float64] | None = None) -> list[Basin]:
+        """Solve from each start and return the basins reached, best first.
+
+        Parameters
+        ----------
+        starts : (n, 6) ndarray of float
+            Starts.
+        bounds : (6, 2) ndarray of float, optional
+            Bounds to solve within; the problem's if not given.
+        """
+        problem = self.problem
+        n = len(starts)
+        points, costs = np.empty((n, 6)), np.empty(n)
+        multipliers, pins = np.empty((n, 2)), np.empty((n, len(self.representative)))
+        status = np.empty(n, dtype=np.int64)
+        solve_many(
+            np.ascontiguousarray(starts),
+            problem.lanes,
+            self.group,
+            self.representative,
+            problem.constants,
+            problem.bounds if bounds is None else bounds,
+            points,
+            costs,
+            multipliers,
+            pins,
+            status,
+        )
+        self.starts += n
+        found = [
+            Basin(points[k], float(costs[k]), multipliers[k], pins[k], 1)
+            for k in np.flatnonzero(status == SOLVED)
+        ]
+        return merge_basins(found)
+
+    def explore(self, starts: NDArray[np.float64]) -> None:
+        """Solve from each start within the problem's bounds and keep the basins."""
+        self.basins = merge_basins(self.basins + self.descend(starts))
+
+    def explore_places(self, count: int) -> None:
+        """Solve from so many starts each outboard and inboard, astern and abreast."""
+        for axis_ranges in product(
+            _parts(self.problem.bounds[0], ASTERN), _parts(self.problem.bounds[1], OUTBOARD)
+        ):
+            place = self.problem.bounds.copy()
+            place[:2] = axis_ranges
+            self.explore(self.random_starts(place, count))
+
+    def explore_around_best(self) -> None:
+        """Solve from starts around each basin that costs nearly as little as the best, and those so found."""
+        while new := self._not_searched_around():
+            self.searched_around += new
+            self.explore(np.concatenate([self._neighbours(basin) for basin in new]))
+
+    def _not_searched_around(self) -> list[Basin]:
+        near = [basin for basin in self.basins if basin.cost <= NEAR_BEST * self.basins[0].cost]
+        new = [basin for basin in near if find_basin(basin, self.searched_around) is None]
+        return new[: MOST_NEIGHBOURHOODS - len(self.searched_around)]
+
+    def _neighbours(self, basin: Basin) -> NDArray[np.float64]:
+        around = self.problem.bounds.copy()
+        around[:5] = basin.point[:5, None] + NEIGHBOURHOOD[:, None] * [-1.0, 1.0]
+        return np.clip(self.random_starts(around, NEIGHBOURS), *self.problem.bounds.T)
+
+
+def _parts(bounds: NDArray[np.float64], wall: float) -> list[tuple[float, float]]:
+    """Split a range at a wall, if it lies within."""
+    low, high = bounds
+    return [(low, wall), (wall, high)] if low < wall < high else [(low, high)]
+
+
+def find_basin(basin: Basin, known: list[Basin]) -> int | None:
+    """Return which of the known basins is the same as one, or None."""
+    if not known:
+        return None
+    apart = np.abs(np.array([one.point for one in known]) - basin.point) / SCALE
+    same = np.flatnonzero(np.max(apart, axis=1) < SAME_BASIN)
+    return int(same[0]) if same.size else None
+
+
+def merge_basins(basins: list[Basin]) -> list[Basin]:
+    """Merge basins that are one optimum, add up their hits and sort them by cost, the best first."""
+    merged: list[Basin] = []
+    for basin in sorted(basins, key=lambda b: b.cost):
+        k = find_basin(basin, merged)
+        if k is None:
+            merged.append(basin)
+        else:
+            merged[k] = replace(merged[k], hits=merged[k].hits + basin.hits)
+    return merged

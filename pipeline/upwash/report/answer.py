@@ -1,0 +1,78 @@
+"""The answer to a single problem: for a person sentences and tables, for a program one record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import pandas as pd
+
+from upwash.batch import columns as of
+from upwash.report.tables import GLOBAL, V, basins, best_optima, both_optima, words_of
+
+OF_THE_JOB = (*of.OUTCOME, *of.INPUTS, *of.CERTIFICATE)
+SOLVE_TIME = "solve_time_s"
+
+
+def answer(rows: pd.DataFrame, show_all: bool = False) -> str:
+    """Say where one bird should fly behind another.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        All rows of one job, best first.
+    show_all : bool
+        Whether to list every optimum.
+    """
+    first = rows.iloc[0]
+    if first["status"] != of.SOLVED:
+        return f"{first['species']}, least {words_of(first['objective'])}: {_nothing_found(first)}"
+    parts = [both_optima(rows).text()]
+    if V not in best_optima(rows):
+        parts.append(_no_v_optimum(first))
+    if show_all:
+        parts.append(basins(rows).text())
+    return "\n\n".join(parts)
+
+
+def _nothing_found(row: Any) -> str:
+    """Say that there is no follower, and whether that is proved: its cost has no finite bound then."""
+    proved = (
+        "this is proved" if pd.isna(row["global_lower_bound"]) else "open: none was found, which is no proof"
+    )
+    # An error begins with what kind of thing it is.
+    cause = row["error"].partition(": ")[2] or row["error"]
+    return f"no optimum: {cause} ({proved})"
+
+
+def _no_v_optimum(row: Any) -> str:
+    """Say that no optimum is outboard, level and astern, and what is known of that region instead."""
+    if pd.isna(row["v_lower_bound"]):
+        known = "no position of that kind balances lift and thrust, which is proved"
+    elif row["v_wall"]:
+        known = f"costs fall towards a wall of that region, {row['v_wall']}, and on beyond it"
+    else:
+        known = "none was found, which is no proof"
+    return f"There is no {V}, outboard, level and astern: {known}. The {GLOBAL} is the best of all."
+
+
+def job_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return all that is known of one job as one dictionary fit for JSON.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        All rows of the job, best first, by the columns of ``solutions.parquet``.
+
+    Returns
+    -------
+    dict
+        What is true of the job by column, ``solve_time_s``, and under ``optima`` the columns of each optimum.
+    """
+    optima = [
+        {column.name: row[column.name] for column in of.SOLUTION if column.name != SOLVE_TIME}
+        for row in rows
+        if row["rank"] is not None
+    ]
+    names = [*(column.name for column in OF_THE_JOB), SOLVE_TIME]
+    return {**{name: rows[0][name] for name in names}, "optima": optima}

@@ -1,0 +1,160 @@
+"""All figures in the order of the story, and drawing them from results folders.
+
+A figure's module has ``NAME``, ``TITLE``, ``CAPTION``, ``NEEDS`` (the frames of `Sources` that its ``draw``
+takes), perhaps ``MAY_TAKE`` (frames that it takes if they are there), ``draw``, and ``describe``: the same in
+words.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from upwash.batch.store import cannot_write, replacing
+from upwash.errors import UpwashError
+from upwash.report.figures import (
+    configurations,
+    flock_formation,
+    flock_saving,
+    flock_view,
+    force_maps,
+    lone_wake,
+    optima_map,
+    optimal_position,
+    parameter_saving,
+    spacing_rule,
+    species_gap,
+    species_groups,
+    species_observed,
+    species_position,
+    species_saving,
+    species_stroke,
+    speed_power,
+)
+from upwash.report.figures.drawing import METADATA, save
+from upwash.report.sources import Sources, read_study, sort_studies
+
+FIGURES: dict[str, ModuleType] = {
+    module.NAME: module
+    for module in (
+        lone_wake,
+        configurations,
+        optimal_position,
+        force_maps,
+        spacing_rule,
+        optima_map,
+        flock_formation,
+        flock_view,
+        flock_saving,
+        species_position,
+        species_saving,
+        species_stroke,
+        species_gap,
+        species_groups,
+        species_observed,
+        speed_power,
+        parameter_saving,
+    )
+}
+"""Name -> module, in the order of the story."""
+
+FOLDER = "figures"
+"""Folder for the figures, in a results folder."""
+
+
+def read_sources(*results: str | os.PathLike[str]) -> Sources:
+    """Read what figures can be drawn from: results folders, the first before the others.
+
+    Raises
+    ------
+    UpwashError
+        If one of them is no gathered results folder.
+    """
+    return sort_studies(read_study(Path(one)) for one in results)
+
+
+def arguments(figure: ModuleType, sources: Sources) -> dict[str, Any] | None:
+    """Return the frames that a figure takes, or None if one that it needs is not there."""
+    needed = {name: getattr(sources, name) for name in figure.NEEDS}
+    if any(frame is None for frame in needed.values()):
+        return None
+    return needed | {name: getattr(sources, name) for name in getattr(figure, "MAY_TAKE", ())}
+
+
+def draw(name: str, *results: str | os.PathLike[str]) -> Figure:
+    """Draw one figure.
+
+    Parameters
+    ----------
+    name : str
+        A key of `FIGURES`.
+    *results : str or path
+        Results folders; each frame is taken from the first that has it.
+
+    Raises
+    ------
+    UpwashError
+        If there is no such figure, or the folders hold nothing to draw it from.
+    """
+    if name not in FIGURES:
+        raise UpwashError(f"figure: expected one of {', '.join(FIGURES)}, found {name!r}; choose one")
+    figure = FIGURES[name]
+    frames = arguments(figure, read_sources(*results))
+    if frames is None:
+        needed, folders = " and ".join(figure.NEEDS), ", ".join(map(str, results))
+        raise UpwashError(
+            f"figure {name}: expected a study to draw it from ({needed}), found none in {folders}; name "
+            "another folder"
+        )
+    return figure.draw(**frames)
+
+
+def draw_all(results: str | os.PathLike[str], *more: str | os.PathLike[str]) -> list[Path]:
+    """Write every figure that results folders allow, as PDF, PNG and SVG.
+
+    Parameters
+    ----------
+    results : str or path
+        Results folder; the figures go to ``figures`` in it.
+    *more : str or path
+        Other results folders to draw from what the first does not hold.
+
+    Returns
+    -------
+    list of Path
+        The files, figure by figure.
+
+    Raises
+    ------
+    UpwashError
+        If a folder is no gathered results folder, or the figures cannot be written.
+    """
+    return draw_figures(read_sources(results, *more), Path(results) / FOLDER)
+
+
+def draw_figures(sources: Sources, folder: Path) -> list[Path]:
+    """Write every figure that some frames allow into a folder, and return the files."""
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise cannot_write(folder, error) from error
+    written = []
+    for figure in FIGURES.values():
+        frames = arguments(figure, sources)
+        if frames is not None:
+            written += save_all(figure.draw(**frames), folder / figure.NAME)
+    return written
+
+
+def save_all(drawn: Figure, stem: Path, endings: Iterable[str] = METADATA) -> list[Path]:
+    """Write one figure in all formats, or those whose endings are given, each file whole or not at all."""
+    paths = [stem.with_name(f"{stem.name}{ending}") for ending in endings]
+    for path in paths:
+        with replacing(path) as unfinished:
+            save(drawn, unfinished, path.suffix)
+    return paths

@@ -1,0 +1,185 @@
+"""What all figures share: style, colours that keep their meaning, birds, files that are alike each time."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib import style
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+from matplotlib.ticker import FuncFormatter
+
+from upwash.aero.wake import stroke_height
+
+STYLE = Path(__file__).parents[1] / "style.mplstyle"
+PAGE_WIDTH_IN = 7.0
+"""Width of a printed page's text, in inches."""
+
+# As in the style file.
+TITLE_PAD_PT, TICK_LABEL_PT = 5.0, 7.0
+
+# Okabe and Ito's colours by what they mean here. Nothing is told by colour alone: marker or line says it too.
+LEADER = "#000000"
+DOWNSTROKE, UPSTROKE = "#009E73", "#56B4E9"
+OBSERVED = "#CC79A7"
+LIFT, THRUST = "#0072B2", "#D55E00"
+FAINT = "#8a8a8a"
+OBJECTIVES: dict[str, dict[str, Any]] = {
+    "force": {"color": "#D55E00", "marker": "o", "linestyle": "-"},
+    "power": {"color": "#0072B2", "marker": "s", "linestyle": "--"},
+    "cost_of_transport": {"color": "#E69F00", "marker": "^", "linestyle": ":"},
+}
+OBJECTIVE_LABELS = {
+    "force": "least force",
+    "power": "least power",
+    "cost_of_transport": "least cost of transport",
+}
+
+# Without dates and versions of the writer the same figure is the same bytes.
+METADATA: dict[str, dict[str, None]] = {
+    ".pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": None},
+}
+
+
+def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
+    """Let a function draw in the style of all figures, whatever the caller's own settings.
+
+    Its panels are laid out once, here: saving would do it again for every format. How many ticks an axis
+    has room for depends on the size of their labels, which is looked up when a figure is saved: it is fixed
+    here too, so that a figure stays as it is drawn whoever saves it.
+    """
+
+    @functools.wraps(draw)
+    def drawn(*args: Any, **kwargs: Any) -> Figure:
+        with matplotlib.rc_context():
+            matplotlib.rcdefaults()
+            style.use(STYLE)
+            figure = draw(*args, **kwargs)
+            for axes in figure.axes:
+                for axis in (axes.xaxis, axes.yaxis):
+                    axis.set_tick_params(labelsize=axis.get_tick_params().get("labelsize", TICK_LABEL_PT))
+            figure.draw_without_rendering()
+            figure.set_layout_engine(None)
+            return figure
+
+    return drawn
+
+
+def save(figure: Figure, path: Path, ending: str = "") -> None:
+    """Write a figure.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    path : Path
+        The file.
+    ending : str
+        Format: ``.pdf``, ``.png`` or ``.svg``; that of the path if not given.
+    """
+    ending = ending or path.suffix
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        style.use(STYLE)
+        figure.savefig(path, format=ending[1:], metadata=METADATA[ending])
+
+
+def mark(objective: str, **changes: Any) -> dict[str, Any]:
+    """Return how the points of an objective look: colour, marker and label."""
+    look = OBJECTIVES[objective] | {"linestyle": "none"}
+    return look | {"label": OBJECTIVE_LABELS[objective]} | changes
+
+
+def signed(value: float, digits: int = 3) -> str:
+    """Return a number with its sign, a true minus, and so many decimals."""
+    return f"{value:+.{digits}f}".replace("-", "−")
+
+
+def percent(value: float, digits: int = 0) -> str:
+    """Return a fraction as a percentage with a true minus and so many decimals."""
+    return f"{100.0 * value:.{digits}f} %".replace("-", "−")
+
+
+def in_percent(axis: Axis) -> None:
+    """Write an axis' ticks, which are fractions, as percentages with the digits that they need."""
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{100.0 * value:.3g} %".replace("-", "−")))
+
+
+def letter(axes: Axes, name: str, title: str) -> None:
+    """Name a panel by a bold letter before its title."""
+    axes.set_title(f"     {title}")
+    axes.annotate(
+        name,
+        (0.0, 1.0),
+        (0.0, TITLE_PAD_PT),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        fontweight="bold",
+        annotation_clip=False,
+    )
+
+
+def draw_bird(
+    axes: Axes,
+    x: float,
+    y: float,
+    half_span: float,
+    length: float,
+    **look: Any,
+) -> None:
+    """Draw a bird seen from above, flying to the left, in the units of the axes.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where: streamwise to the right, spanwise up.
+    x, y : float
+        Its reference point.
+    half_span, length : float
+        Half of its wingspan, and its length from bill to tail.
+    **look
+        Passed on to the polygon.
+    """
+    # Half the outline, from the bill back to the tail: (x in lengths, y in half-spans).
+    outline = np.array(
+        [
+            (-0.50, 0.00),
+            (-0.36, 0.04),
+            (-0.22, 0.07),
+            (-0.24, 0.45),
+            (-0.06, 1.00),
+            (0.10, 0.50),
+            (0.14, 0.08),
+            (0.34, 0.05),
+            (0.50, 0.09),
+        ]
+    )
+    both = np.vstack([outline, outline[::-1] * (1.0, -1.0)])
+    look = {"facecolor": LEADER, "edgecolor": "none", "alpha": 0.25, "zorder": 1} | look
+    axes.add_patch(Polygon(both * (length, half_span) + (x, y), closed=True, **look))
+
+
+def tip_height(turns: np.ndarray) -> np.ndarray:
+    """Return the height of a wingtip over its tip-to-tip amplitude.
+
+    Parameters
+    ----------
+    turns : ndarray of float
+        Phase of the bird, in wingbeats: the tip is highest at 0 and lowest at ½. The path that the tip of a
+        bird at phase p has left in the air has at a distance x behind it the height of phase x/λ − p.
+
+    Returns
+    -------
+    ndarray of float
+        Height, between −½ and ½.
+    """
+    return np.vectorize(stroke_height, otypes=[float])(turns)

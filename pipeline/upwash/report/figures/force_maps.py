@@ -1,0 +1,125 @@
+"""Figure: the net force on the follower in three planes through the optimum; also that of a single plane."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from upwash.aero.field_map import PLANES, ForceMap
+from upwash.report.field import plane_through, ratios
+from upwash.report.figures.drawing import OBJECTIVE_LABELS, PAGE_WIDTH_IN, letter, mark, styled
+from upwash.report.sources import best, objectives_of
+
+NAME = "force-maps"
+TITLE = "The force on a follower, place by place"
+NEEDS = ("pair",)
+CAPTION = (
+    "The follower's own force and the wake's together, in three planes through the optimum: vertical force "
+    "over weight (left) and thrust over drag (right). All that is not on the axes is as at the optimum "
+    "(orange dot). Black line: the force is exactly what is needed, 1; it is reached in few places, and at "
+    "the optimum in both columns at once. Brighter: more than needed. Darker: the bird would sink or slow "
+    "down. The leader (black diamond) is at the origin; in the last row it has phase 0. Colours end at the "
+    "limits of the bar; beyond them, near the vortex cores, they stay the same."
+)
+QUANTITIES = {"lift": "$F_z/W$, vertical force over weight", "thrust": "$−F_x/D$, thrust over drag"}
+SECOND_LABELS = {"xy": "y/b, to the right", "xz": "z/$h_L$, up", "xk": "κ, phase"}
+
+# Share of the map's points that may lie beyond either end of the colours.
+CLIPPED = 0.005
+
+
+def describe(pair: pd.DataFrame) -> str:
+    """Say in words what the figure shows."""
+    row = best(pair, objectives_of(pair)[0])
+    found = ratios(plane_through(row, "xy", 120), row)
+    return (
+        f"Six maps. In the plane from above the vertical force runs from {found['lift'].min():.2f} to "
+        f"{found['lift'].max():.2f} of the weight and the thrust from {found['thrust'].min():.2f} to "
+        f"{found['thrust'].max():.2f} of the drag. Both are 1 at the optimum, {row['x_m']:.2f} m behind and "
+        f"{row['y_m']:.2f} m aside; nearly everywhere else at least one is not enough."
+    )
+
+
+@styled
+def draw(pair: pd.DataFrame, size: int = 300) -> Figure:
+    """Draw the six force maps.
+
+    Parameters
+    ----------
+    pair : DataFrame
+        Optima of one bird; the first objective's best one is where the planes cross.
+    size : int
+        Points along each side of a map.
+
+    Returns
+    -------
+    Figure
+        The figure.
+    """
+    row = best(pair, objectives_of(pair)[0])
+    return _draw_maps(row, [plane_through(row, plane, size) for plane in PLANES])
+
+
+@styled
+def draw_plane(found: ForceMap, row: pd.Series) -> Figure:
+    """Draw the two maps of one plane.
+
+    Parameters
+    ----------
+    found : ForceMap
+        The map.
+    row : Series
+        The optimum through which it goes.
+
+    Returns
+    -------
+    Figure
+        The figure.
+    """
+    return _draw_maps(row, [found])
+
+
+def _draw_maps(row: pd.Series, maps: list[ForceMap]) -> Figure:
+    figure = Figure(figsize=(PAGE_WIDTH_IN, 1.0 + 1.75 * len(maps)), layout="constrained")
+    panels = figure.subplots(len(maps), 2, squeeze=False, sharex=True)
+    values = [ratios(found, row) for found in maps]
+    for column, quantity in enumerate(QUANTITIES):
+        norm = _norm(np.concatenate([found[quantity].ravel() for found in values]))
+        for line, found in enumerate(maps):
+            axes = panels[line, column]
+            _draw_map(axes, row, found, values[line][quantity], norm)
+            letter(axes, "abcdef"[2 * line + column], QUANTITIES[quantity] if line == 0 else "")
+            axes.set_xlabel("x/λ, downstream" if line == len(maps) - 1 else "")
+            axes.set_ylabel(SECOND_LABELS[found.plane] if column == 0 else "")
+        bar = figure.colorbar(
+            ScalarMappable(norm), ax=panels[:, column], location="bottom", aspect=40, pad=0.02, extend="both"
+        )
+        bar.ax.axvline(1.0, color="black", linewidth=1.2)
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper right", ncols=2)
+    return figure
+
+
+def _norm(values: np.ndarray) -> Normalize:
+    """Colours over all but the extreme values, with the needed force, 1, always within."""
+    low, high = np.quantile(values, [CLIPPED, 1.0 - CLIPPED])
+    return Normalize(min(low, 0.99), max(high, 1.01))
+
+
+def _draw_map(axes: Axes, row: pd.Series, found: ForceMap, values: np.ndarray, norm: Normalize) -> None:
+    unit = {"xy": row["semispan_m"], "xz": row["leader_amplitude_m"], "xk": 1.0}[found.plane]
+    x, second = found.first / (row["speed_m_s"] * row["period_s"]), found.second / unit
+    extent = (x[0], x[-1], second[0], second[-1])
+    axes.imshow(values, origin="lower", extent=extent, aspect="auto", norm=norm, interpolation="nearest")
+    axes.contour(x, second, values, levels=[1.0], colors="black", linewidths=0.8)
+    place = {"xy": row["y_m"], "xz": row["z_m"], "xk": row["phase"]}[found.plane] / unit
+    axes.plot(
+        0.0, 0.0, "D", color="black", markeredgecolor="white", markersize=5, clip_on=False, label="leader"
+    )
+    look = mark(row["objective"], color="#E69F00", markeredgecolor="black", markersize=5, clip_on=False)
+    look["label"] = f"follower, {OBJECTIVE_LABELS[row['objective']]}"
+    axes.plot(row["x_m"] / (row["speed_m_s"] * row["period_s"]), place, gid=f"optimum {found.plane}", **look)

@@ -1,0 +1,220 @@
+"""Figure: where the follower flies at the optimum, how its wingtips meet the wake, and the force by state."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from upwash.aero.interaction import phase_weights, state_forces
+from upwash.aero.wake import spanwise_spacing_rule
+from upwash.report.figures.drawing import (
+    FAINT,
+    LEADER,
+    OBJECTIVES,
+    OBSERVED,
+    PAGE_WIDTH_IN,
+    draw_bird,
+    letter,
+    mark,
+    styled,
+    tip_height,
+)
+from upwash.report.sources import best, bird_of, common_name, objectives_of
+
+NAME = "optimal-position"
+TITLE = "Where the follower should fly"
+NEEDS = ("pair", "observations")
+CAPTION = (
+    "(a) The best position outboard of and level with the leader, from above, in wavelengths λ and "
+    "semispans b, for each cost. Upright line: x = λ/2; level lines: the spacing rule y = b (π/4 + (1 + "
+    "R_F)/2). Diamonds: what was measured on birds, hollow where it was computed from another measurement. "
+    "Birds show which way is forward; their wings are to scale in y. (b) The same from the side, in units "
+    "of the leader's amplitude h_L. Lines: the path in the air of the leader's wingtip at the end of its "
+    "upstroke, and of the followers' at the same time; bars: the followers' stroke. (c) The force that the "
+    "wake exerts on the follower in each pair of stroke states, over weight W and drag D, and its mean over "
+    "the wingbeat (m); first letter: leader up or down, second: follower. (d) The frame in (c), larger."
+)
+STATES = ("uu", "ud", "du", "dd")
+
+
+def wake_forces(row: pd.Series) -> np.ndarray:
+    """Return thrust over drag and lift over weight for each of `STATES`, and last the mean over the wingbeat.
+
+    Returns
+    -------
+    (5, 2) ndarray of float
+        Thrust over D, lift over W.
+    """
+    found = state_forces(
+        bird_of(row),
+        row["leader_amplitude_m"],
+        row["leader_upstroke_span_ratio"],
+        (row["x_m"], row["y_m"], row["z_m"]),
+        row["amplitude_m"],
+        row["upstroke_span_ratio"],
+    )
+    mean = np.tensordot(phase_weights(row["phase"]), found, axes=2)
+    forces = np.vstack([found.reshape(4, 2), mean])
+    return forces[:, ::-1] / (row["drag_n"], row["weight_n"])
+
+
+def measured(observations: pd.DataFrame, species: str) -> list[tuple[float, float, bool]]:
+    """Return the observed positions of a species: x and y in m, and whether both were measured directly."""
+    of_it = observations[(observations["species"] == species) & observations["value"].notna()]
+    of_it = of_it[(of_it["unit"] == "m") & of_it["metric"].str.startswith("between bodies, a")]
+    of_it = of_it[~of_it["metric"].str.contains("model")]
+    behind, aside = (of_it[of_it["compare"] == name] for name in ("x_m", "y_m"))
+    return [
+        (float(x["value"]), float(y["value"]), x["basis"] == y["basis"] == "measured")
+        for _, x in behind.iterrows()
+        for _, y in aside[aside["study"] == x["study"]].iterrows()
+    ]
+
+
+def describe(pair: pd.DataFrame, observations: pd.DataFrame) -> str:
+    """Say in words what the figure shows."""
+    rows = {objective: best(pair, objective) for objective in objectives_of(pair)}
+    places = [
+        f"for least {objective.replace('_', ' ')} {row['x_m']:.2f} m behind, {row['y_m']:.3f} m aside and "
+        f"{abs(row['z_m']):.3f} m {'below' if row['z_m'] < 0 else 'above'} at phase {row['phase']:.2f}"
+        for objective, row in rows.items()
+    ]
+    seen = [
+        f"{x:.2f} m behind and {y:.3f} m aside" for x, y, _ in measured(observations, pair["species"].iloc[0])
+    ]
+    return (
+        f"The best place behind a {common_name(pair['species'].iloc[0]).lower()} is {'; '.join(places)}. "
+        f"Observed: {' or '.join(seen) or 'nothing to compare with'}. The wingtip's path of the follower "
+        "runs along that of the leader, and the pair of states with the leader up and the follower down "
+        "gives most of the force."
+    )
+
+
+@styled
+def draw(pair: pd.DataFrame, observations: pd.DataFrame) -> Figure:
+    """Draw the optimal position in two planes, and the forces in each pair of stroke states.
+
+    Parameters
+    ----------
+    pair : DataFrame
+        Optima of one bird, for one or more objectives.
+    observations : DataFrame
+        Published observations.
+
+    Returns
+    -------
+    Figure
+        The figure.
+    """
+    rows = [best(pair, objective) for objective in objectives_of(pair)]
+    figure = Figure(figsize=(PAGE_WIDTH_IN, 5.2), layout="constrained")
+    panels = figure.subplots(2, 2)
+    _draw_above(panels[0, 0], rows, measured(observations, rows[0]["species"]))
+    _draw_side(panels[0, 1], rows)
+    forces = {row["objective"]: wake_forces(row) for row in rows}
+    _draw_forces(panels[1, 0], forces, (*STATES, "m"), "c")
+    small = np.abs([found[[0, 2, 3]] for found in forces.values()]).max(axis=(0, 1)) * (1.3, 1.8)
+    _draw_forces(panels[1, 1], forces, ("uu", "du", "dd"), "d")
+    panels[1, 1].set(xlim=(-small[0], small[0]), ylim=(-small[1], small[1]))
+    panels[1, 0].add_patch(Rectangle(-small, *(2.0 * small), fill=False, edgecolor=FAINT, linewidth=0.7))
+    panels[1, 0].update_datalim([-1.5 * small])
+    panels[1, 0].margins(0.1)
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    return figure
+
+
+def _draw_above(axes: Axes, rows: list[pd.Series], seen: list[tuple[float, float, bool]]) -> None:
+    wavelength, b = rows[0]["speed_m_s"] * rows[0]["period_s"], rows[0]["semispan_m"]
+    length = 0.7 * b / wavelength
+    draw_bird(axes, 0.0, 0.0, 1.0, length)
+    axes.plot(0.0, 0.0, "D", color=LEADER, markersize=4, linestyle="none", label="leader")
+    for row in rows:
+        look = OBJECTIVES[row["objective"]]
+        place = row["x_m"] / wavelength, row["y_m"] / b
+        draw_bird(axes, *place, 1.0, length, facecolor=look["color"], alpha=0.12)
+        axes.plot(*place, **mark(row["objective"], markersize=6, zorder=4), gid=f"optimum {row['objective']}")
+        rule = spanwise_spacing_rule(b, row["upstroke_span_ratio"]) / b
+        axes.axhline(
+            rule,
+            color=look["color"],
+            linestyle=look["linestyle"],
+            linewidth=0.7,
+            gid=f"rule {row['objective']}",
+        )
+    axes.axvline(0.5, color=FAINT, linestyle="--", linewidth=0.7)
+    for x, y, is_direct in seen:
+        face: dict[str, Any] = {} if is_direct else {"markerfacecolor": "white"}
+        axes.plot(
+            x / wavelength,
+            y / b,
+            "D",
+            color=OBSERVED,
+            markersize=6,
+            linestyle="none",
+            gid="observed",
+            label="measured on birds" if is_direct else "computed from measurements",
+            **face,
+        )
+    axes.set(xlim=(-0.15, 0.75), ylim=(-1.15, 2.75), xlabel="x/λ, downstream", ylabel="y/b, to the right")
+    letter(axes, "a", "From above")
+
+
+def _draw_side(axes: Axes, rows: list[pd.Series]) -> None:
+    wavelength, amplitude = rows[0]["speed_m_s"] * rows[0]["period_s"], rows[0]["leader_amplitude_m"]
+    x = np.linspace(0.0, 1.25, 501)
+    axes.plot(x, tip_height(x), color=LEADER, linewidth=1.0, gid="path leader")
+    axes.plot(0.0, 0.0, "D", color=LEADER, markersize=4)
+    axes.plot([0.0, 0.0], [-0.5, 0.5], color=LEADER, linewidth=0.8, alpha=0.4)
+    for row in rows:
+        look = OBJECTIVES[row["objective"]]
+        start, height, share = row["x_m"] / wavelength, row["z_m"] / amplitude, row["amplitude_m"] / amplitude
+        # The leader is at the end of its upstroke, phase 0; the follower lags it by κ.
+        behind = x[x <= x[-1] - start]
+        path = height + share * tip_height(behind + row["phase"])
+        axes.plot(
+            start + behind,
+            path,
+            color=look["color"],
+            linestyle=look["linestyle"],
+            linewidth=1.2,
+            gid=f"path {row['objective']}",
+        )
+        axes.plot(
+            [start] * 2,
+            [height - share / 2, height + share / 2],
+            color=look["color"],
+            alpha=0.4,
+            linewidth=0.8,
+        )
+        axes.plot(
+            start, height, **mark(row["objective"], markersize=6, zorder=4), gid=f"optimum {row['objective']}"
+        )
+    axes.axvline(0.5, color=FAINT, linestyle="--", linewidth=0.7)
+    axes.set(xlim=(-0.1, 1.25), ylim=(-0.8, 0.8), xlabel="x/λ, downstream", ylabel="z/$h_L$, up")
+    letter(axes, "b", "From the side, with the wingtips' paths")
+
+
+def _draw_forces(axes: Axes, forces: dict[str, np.ndarray], shown: tuple[str, ...], name: str) -> None:
+    axes.axhline(0.0, color=FAINT, linewidth=0.5)
+    axes.axvline(0.0, color=FAINT, linewidth=0.5)
+    for objective, found in forces.items():
+        look = OBJECTIVES[objective]
+        for state, (thrust, lift) in zip((*STATES, "m"), found, strict=True):
+            if state not in shown:
+                continue
+            line = ":" if state == "m" else look["linestyle"]
+            axes.plot([0.0, thrust], [0.0, lift], color=look["color"], linewidth=1.0, linestyle=line)
+            axes.plot(thrust, lift, **mark(objective, markersize=4), gid=f"force {objective} {state}")
+    # In the wide panel the small ones lie upon one another: they are named in the other.
+    for state in [state for state in shown if name == "d" or state in ("ud", "m")]:
+        points = np.array([found[(*STATES, "m").index(state)] for found in forces.values()])
+        for thrust, lift in points if name == "c" else [points.mean(axis=0)]:
+            axes.annotate(state, (thrust, lift), (0, 5), textcoords="offset points", ha="center", va="bottom")
+    axes.set(xlabel="thrust from the wake / D (right: forwards)", ylabel="lift from the wake / W")
+    letter(axes, name, "Force in each pair of states" if name == "c" else "The frame in c, larger")

@@ -1,0 +1,133 @@
+"""Figure: what the follower saves as each of the bird's inputs is varied alone."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from upwash.report.figures.drawing import (
+    FAINT,
+    OBJECTIVE_LABELS,
+    OBJECTIVES,
+    PAGE_WIDTH_IN,
+    in_percent,
+    letter,
+    percent,
+    styled,
+)
+from upwash.report.sources import objectives_of, subject, varied_inputs
+
+NAME = "parameter-saving"
+TITLE = "What the saving depends on"
+NEEDS = ("varied",)
+CAPTION = (
+    "Share of the leader's total power that the follower saves at the V optimum, as one input is varied and "
+    "all others stay as they are. Upright line: the bird itself. A line breaks where there is no V optimum; "
+    "a step is a change from one optimum to another."
+)
+LABELS = {
+    "mass_kg": ("Mass", "M (kg)"),
+    "semispan_m": ("Semispan", "b (m)"),
+    "speed_m_s": ("Speed", "U (m/s)"),
+    "period_s": ("Wingbeat period", "T (s)"),
+    "density_kg_m3": ("Air density", "ρ (kg/m³)"),
+    "gravity_m_s2": ("Gravity", "g (m/s²)"),
+    "leader_amplitude_m": ("Leader's amplitude", "$h_L$ (m)"),
+    "leader_upstroke_span_ratio": ("Leader's upstroke span ratio", "$R_L$"),
+    "circulation_ratio": ("Circulation, upstroke to downstroke", "$Γ_{up}/Γ_{down}$"),
+    "core_radius_ratio": ("Vortex core", "$r_c/b$"),
+}
+COLUMNS = 3
+
+
+def curve(rows: pd.DataFrame, name: str, objective: str) -> pd.DataFrame:
+    """Return saving against one varied input: one row a value, NaN where there is no V optimum.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        All optima of problems that differ in one input.
+    name : str
+        Column of that input.
+    objective : str
+        Whose optima.
+
+    Returns
+    -------
+    DataFrame
+        ``name`` in increasing order, and ``saving_total``.
+    """
+    of_it = rows[rows["objective"] == objective]
+    saving = of_it[of_it["is_v_optimum"].eq(True)].groupby(name)["saving_total"].first()
+    values = sorted(of_it[name].unique())
+    return pd.DataFrame({name: values, "saving_total": saving.reindex(values).to_numpy()})
+
+
+def describe(varied: pd.DataFrame) -> str:
+    """Say in words what the figure shows."""
+    parts = []
+    for name, rows in varied_inputs(varied, subject(varied)).items():
+        objective = objectives_of(rows)[0]
+        found = curve(rows, name, objective).dropna()
+        first, last = found.iloc[0], found.iloc[-1]
+        parts.append(
+            f"{LABELS[name][0].lower()} {first[name]:.3g} to {last[name]:.3g}: {percent(first['saving_total'], 1)} "
+            f"to {percent(last['saving_total'], 1)}"
+        )
+    return f"Savings for {OBJECTIVE_LABELS[objective]} as one input varies. " + "; ".join(parts) + "."
+
+
+@styled
+def draw(varied: pd.DataFrame) -> Figure:
+    """Draw saving against every input that is varied alone.
+
+    Parameters
+    ----------
+    varied : DataFrame
+        All optima of problems about one bird.
+
+    Returns
+    -------
+    Figure
+        The figure.
+    """
+    base = subject(varied)
+    inputs = varied_inputs(varied, base)
+    lines = math.ceil(len(inputs) / COLUMNS)
+    columns = min(COLUMNS, len(inputs))
+    figure = Figure(figsize=(PAGE_WIDTH_IN, 0.6 + 1.9 * lines), layout="constrained")
+    panels = figure.subplots(lines, columns, sharey=True, squeeze=False).ravel()
+    for axes, (name, rows), panel in zip(panels, inputs.items(), "abcdefghij", strict=False):
+        draw_curves(axes, rows, name)
+        axes.axvline(base[name].iloc[0], color=FAINT, linewidth=0.7)
+        letter(axes, panel, LABELS[name][0])
+    for axes in panels[len(inputs) :]:
+        axes.set_axis_off()
+    for axes in panels[: len(inputs) : columns]:
+        axes.set_ylabel("total power saved")
+    panels[0].set_ylim(bottom=min(0.0, panels[0].get_ylim()[0]))
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    return figure
+
+
+def draw_curves(axes: Axes, rows: pd.DataFrame, name: str) -> None:
+    """Draw saving against one input, a line for each objective."""
+    for objective in objectives_of(rows):
+        found = curve(rows, name, objective)
+        style = OBJECTIVES[objective]
+        axes.plot(
+            found[name],
+            found["saving_total"],
+            color=style["color"],
+            linestyle=style["linestyle"],
+            marker=style["marker"],
+            markersize=3.5,
+            label=OBJECTIVE_LABELS[objective],
+            gid=f"{name} {objective}",
+        )
+    in_percent(axes.yaxis)
+    axes.set_xlabel(LABELS[name][1])

@@ -1,0 +1,129 @@
+"""The answer to a single flock: for a person tables, for a program one record."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import pandas as pd
+
+from upwash.batch import columns as of
+from upwash.optimum.rotation import take_turns
+from upwash.report.table import ABSENT, Table
+from upwash.report.tables import PROVED_BUT_FOR_ROUNDING, words_of
+
+READINGS = {
+    "immediate": "amplitude at most that of the bird ahead",
+    "lone": "amplitude at most a lone bird's",
+}
+WAKES = {"neighbour": "the wake of the bird ahead", "all-upstream": "the wakes of all birds ahead"}
+
+OF_THE_BIRD = ("leader_amplitude_m", "leader_upstroke_span_ratio")
+"""Inputs of a flock's job that each of its rows states of the bird that its own bird follows."""
+
+
+def flock_answer(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> str:
+    """Say where each bird of a flock flies, what it saves, and what taking turns brings.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        The rows of one flock, from the front.
+    chain : DataFrame, optional
+        Those of the chain that it was improved from as a whole.
+    """
+    parts = [birds_table(rows, chain).text()]
+    if (rows["status"] == of.SOLVED).sum() > 1:
+        parts.append(turns_table(rows).text())
+    return "\n\n".join(parts)
+
+
+def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
+    """Describe a flock bird by bird; parameters as for `flock_answer`.
+
+    Returns
+    -------
+    Table
+        Positions and phase are relative to the first bird; costs and savings are shares of a lone bird's.
+    """
+    first, placed = rows.iloc[0], rows[rows["status"] == of.SOLVED]
+    cost = 100.0 * placed["cost"] / placed["cost_leader"]
+    columns = {
+        "bird": placed["bird"],
+        "follows": placed["leader"].astype("Int64"),
+        **{f"{axis} m": placed[f"{axis}_flock_m"] for axis in "xyz"},
+        "phase": placed["phase_flock"],
+        "h m": placed["amplitude_m"],
+        "R": placed["upstroke_span_ratio"],
+        "cost %": cost,
+        "saving %": 100.0 * placed["saving_total"],
+        "induced %": 100.0 * placed["saving_induced"],
+        "profile %": 100.0 * placed["saving_profile"],
+    }
+    formats = {"x m": ".3f", "y m": ".3f", "z m": "+.3f", "phase": ".3f", "h m": ".4f", "R": ".4f"}
+    formats |= {"cost %": ".2f", "saving %": ".2f", "induced %": ".2f", "profile %": ".2f"}
+    notes = []
+    if chain is None:
+        columns["proof"] = placed.apply(_proof, axis=1)
+    else:
+        before = chain[chain["status"] == of.SOLVED]
+        given_up = cost.to_numpy() - 100.0 * (before["cost"] / before["cost_leader"]).to_numpy()
+        columns["given up %"] = pd.Series(given_up, index=placed.index)
+        formats["given up %"] = "+.3f"
+        words = "all birds improved together" if (given_up != 0.0).any() else "nothing better found together"
+        notes.append(f"{words}: mean cost {given_up.mean():+.3f} % of a lone bird's against bird by bird")
+    for _, row in (rows if chain is None else chain).iterrows():
+        if row["status"] != of.SOLVED:
+            notes.append(f"bird {row['bird']}: {row['error']}")
+    words = f"{first['species']}, {first['shape']}, least {words_of(first['objective'])}"
+    wavelengths = f"{first['wavelengths']} wavelength{'s' if first['wavelengths'] > 1 else ''}"
+    title = f"{words}; {WAKES[first['wake']]}, {wavelengths}; {READINGS[first['reading']]}"
+    return Table(title, pd.DataFrame(columns), formats, tuple(notes))
+
+
+def turns_table(rows: pd.DataFrame) -> Table:
+    """Say what a bird saves and how much further it gets when the flock takes turns, by size."""
+    savings = rows.loc[rows["status"] == of.SOLVED, "saving_total"].tolist()
+    turns = take_turns(savings)
+    frame = pd.DataFrame(
+        {
+            "birds": [one.birds for one in turns],
+            "saving %": [100.0 * one.saving_mean for one in turns],
+            "further %": [100.0 * one.range_gained for one in turns],
+        }
+    )
+    title = "Taking turns in the lead: what each bird saves, and how much further it gets than alone"
+    return Table(title, frame, {"saving %": ".2f", "further %": ".2f"})
+
+
+def flock_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return all that is known of one flock as one dictionary fit for JSON.
+
+    Parameters
+    ----------
+    rows : sequence of dict
+        Its rows, from the front, by the columns of ``flock.parquet``.
+
+    Returns
+    -------
+    dict
+        The job's inputs by column, under ``flock`` the other columns of each bird, and under ``turns`` what
+        taking turns brings, by size.
+    """
+    inputs = [column.name for column in (*of.INPUTS, *of.FLOCK_INPUTS)]
+    shared = {"job_id", "species", "objective", "flock_id", *inputs} - set(OF_THE_BIRD)
+    savings = [row["saving_total"] for row in rows if row["status"] == of.SOLVED]
+    return {
+        **{name: rows[0][name] for name in ("job_id", "species", "objective", *inputs)},
+        "flock": [{name: value for name, value in row.items() if name not in shared} for row in rows],
+        "turns": [vars(one) for one in take_turns(savings)],
+    }
+
+
+def _proof(row: Any) -> str:
+    gap = row["v_certified_gap"]
+    if pd.isna(gap):
+        return ABSENT
+    if gap <= row["tolerance"] * PROVED_BUT_FOR_ROUNDING:
+        return "proved"
+    return f"beaten on its wall {row['v_wall']} by {gap:.1e}" if row["v_wall"] else f"open, gap {gap:.1e}"

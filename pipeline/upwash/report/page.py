@@ -1,0 +1,278 @@
+"""The page that tells a sweep's story: one HTML file with figures, tables and provenance, and no need of a network."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import math
+import os
+import re
+import tomllib
+from collections.abc import Iterable
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import markupsafe
+import pandas as pd
+
+from upwash.batch.folder import ResultsFolder
+from upwash.batch.store import write_atomic
+from upwash.report.claims.ledger import FILE, counts, ledger_shown
+from upwash.report.figures.catalogue import FIGURES, FOLDER, arguments, draw_figures
+from upwash.report.sources import Sources, Study, read_study, sort_studies
+from upwash.report.story import CHAPTERS, Chapter, short_answer
+from upwash.report.table import Table, true_minus
+
+PAGE = "index.html"
+TEMPLATES = files("upwash.report") / "templates"
+
+MOST_ROWS = 400
+"""A longer table is cut, and says so: the files hold the rest."""
+
+LONG = 40
+"""Cells of more characters are wrapped."""
+
+CODE = 'from upwash.report.figures import draw; draw("{name}", "{folder}").savefig("{name}.pdf")'
+"""The line that makes a figure."""
+
+# What a table of all jobs shows of each, if the results have it.
+OF_A_JOB = (
+    "species",
+    "objective",
+    "amplitude_convention",
+    "status",
+    "x_m",
+    "y_m",
+    "z_m",
+    "phase",
+    "saving_total",
+    "v_gap",
+    "birds",
+    "shape",
+    "wake",
+    "reading",
+    "birds_placed",
+    "saving_total_mean",
+    "solve_time_s",
+    "job_id",
+)
+
+
+def write_page(results: str | os.PathLike[str], *more: str | os.PathLike[str]) -> Path:
+    """Draw the figures of results folders and write the page about them.
+
+    Parameters
+    ----------
+    results : str or path
+        Results folder; the page is ``index.html`` in it, the figures are in its folder ``figures``.
+    *more : str or path
+        Other results folders, for what the first does not hold.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    UpwashError
+        If a folder is no gathered results folder, or the page cannot be written.
+    """
+    folder = Path(results)
+    studies = [read_study(Path(one)) for one in (results, *more)]
+    sources = sort_studies(studies)
+    draw_figures(sources, folder / FOLDER)
+    path = folder / PAGE
+    write_atomic(path, render(folder, studies, sources).encode())
+    return path
+
+
+def render(folder: Path, studies: list[Study], sources: Sources) -> str:
+    """Return the page's HTML; its figures have been drawn."""
+    environment = jinja2.Environment(
+        loader=jinja2.FunctionLoader(lambda name: (TEMPLATES / name).read_text(encoding="utf-8")),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["subscripts"] = subscripts
+    texts = {name: (TEMPLATES / f"page.{name}").read_text(encoding="utf-8") for name in ("css", "js")}
+    title, description = _title(studies[0])
+    command = " ".join(["upwash page", *(one.path.as_posix() for one in studies)])
+    return environment.get_template("page.html.j2").render(
+        title=title,
+        description=description,
+        answer=short_answer(sources),
+        chapters=[_chapter(one, folder, sources, command) for one in CHAPTERS],
+        claims=_claims(studies),
+        jobs=_jobs(studies[0]),
+        downloads=_downloads(folder, studies),
+        provenance=[_provenance(one, folder) for one in studies],
+        command=command,
+        style=texts["css"],
+        script=texts["js"],
+        policy=_policy(**texts),
+    )
+
+
+def subscripts(text: str) -> markupsafe.Markup:
+    """Return a text with indices set low, as in h_L and R_1; names of columns, such as x_m, stay as they are."""
+    escaped = str(markupsafe.escape(text))
+    low = r"\b([A-Za-zΓβκ])_([A-Z]|\d+|(?<=I_)[xz](?=/)|(?<=β_)[ud]{2})(?![A-Za-z_])"
+    return markupsafe.Markup(re.sub(low, r"\1<sub>\2</sub>", escaped))
+
+
+def _policy(css: str, js: str) -> str:
+    """Return a content security policy under which the page can load nothing from anywhere."""
+    hashes = {
+        name: base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        for name, text in (("css", css), ("js", js))
+    }
+    return (
+        f"default-src 'none'; img-src data:; style-src 'sha256-{hashes['css']}'; script-src "
+        f"'sha256-{hashes['js']}'; base-uri 'none'; form-action 'none'"
+    )
+
+
+def _title(study: Study) -> tuple[str, str]:
+    plan = ResultsFolder(study.path).plan()
+    text = study.metadata.get("sweep", "")
+    description = tomllib.loads(text).get("description", "") if text else ""
+    return (plan.sweep if plan else study.path.resolve().name), str(description)
+
+
+def _chapter(chapter: Chapter, folder: Path, sources: Sources, command: str) -> dict[str, Any]:
+    figures = []
+    for name in chapter.figures:
+        frames = arguments(FIGURES[name], sources)
+        if frames is not None:
+            figures.append(_figure(name, frames, folder, sources))
+    tables = [
+        table_context(one, f"{chapter.name}-{number}")
+        for number, one in enumerate(chapter.tables(sources), 1)
+    ]
+    return {
+        "name": chapter.name,
+        "title": chapter.title,
+        "words": chapter.words,
+        "figures": figures,
+        "tables": tables,
+        "missing": "" if figures else chapter.missing,
+        "remedy": "\n".join(chapter.remedy).format(page=command),
+    }
+
+
+def _figure(name: str, frames: dict[str, Any], folder: Path, sources: Sources) -> dict[str, Any]:
+    module = FIGURES[name]
+    svg = (folder / FOLDER / f"{name}.svg").read_bytes()
+    # The size in points stands in the first tag.
+    width, height = (
+        float(one) * 4.0 / 3.0 for one in re.findall(rb'(?:width|height)="([\d.]+)pt"', svg[:2000])[:2]
+    )
+    origin = sources.folders[module.NEEDS[0]]
+    return {
+        "name": name,
+        "title": module.TITLE,
+        "caption": module.CAPTION,
+        "words": module.describe(**frames),
+        "data": "data:image/svg+xml;base64," + base64.b64encode(svg).decode(),
+        "width": round(width),
+        "height": round(height),
+        "files": [f"{FOLDER}/{name}{ending}" for ending in (".pdf", ".png", ".svg")],
+        "code": CODE.format(name=name, folder=origin.as_posix()),
+    }
+
+
+def table_context(table: Table, name: str) -> dict[str, Any]:
+    """Return a table as the template takes it: each cell's text, what it is sorted by, whether it is a number."""
+    frame = table.frame.head(MOST_ROWS)
+    numeric = [
+        pd.api.types.is_numeric_dtype(frame[column]) and frame[column].dtype != bool for column in frame
+    ]
+    cells = table.cells()[:MOST_ROWS]
+    looks = [
+        "number" if is_number else "long" if max(map(len, column), default=0) > LONG else ""
+        for is_number, column in zip(numeric, zip(*cells, strict=True), strict=cells != [])
+    ]
+    values = frame.itertuples(index=False, name=None)
+    rows = [
+        [
+            {"text": true_minus(text), "sort": sort_key(value, text), "look": look}
+            for text, value, look in zip(line, row, looks, strict=True)
+        ]
+        for line, row in zip(cells, values, strict=True)
+    ]
+    notes = list(table.notes)
+    if len(table.frame) > MOST_ROWS:
+        notes.append(f"the first {MOST_ROWS} of {len(table.frame)} rows; the files hold all")
+    head = [{"text": str(one), "numeric": is_number} for one, is_number in zip(frame, numeric, strict=True)]
+    return {"name": name, "title": table.title, "head": head, "rows": rows, "notes": notes}
+
+
+def sort_key(value: Any, text: str) -> str:
+    """Return what a cell is sorted by: the number, that with which its text begins, or the text; "" if absent."""
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return repr(float(value)) if math.isfinite(value) else ""
+    number = re.match(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?(?![\w.])", text)
+    return number[0] if number else "" if text == "-" else text
+
+
+def _claims(studies: Iterable[Study]) -> dict[str, Any] | None:
+    """Return the ledger of the paper's claims and their counts, if a folder has it."""
+    for study in studies:
+        path = study.path / FILE
+        if path.exists():
+            ledger = pd.read_parquet(path)
+            table = Table("Each claim of the paper, and our verdict", ledger_shown(ledger))
+            return {"table": table_context(table, "claims"), "counts": counts(ledger)}
+    return None
+
+
+def _jobs(study: Study) -> dict[str, Any]:
+    """Return the summary of a study as a table, one row a job."""
+    summary = pd.read_parquet(study.path / "summary.parquet")
+    shown = [name for name in OF_A_JOB if name in summary and summary[name].notna().any()]
+    return table_context(Table("One row a job", summary[shown], {"solve_time_s": ".2f"}), "jobs")
+
+
+def _downloads(folder: Path, studies: Iterable[Study]) -> list[dict[str, str]]:
+    """Return the files that people may want, with their sizes; names are relative to the page."""
+    found = []
+    for study in studies:
+        paths = [*study.path.glob("*.parquet"), *study.path.glob("*.csv"), *(study.path / "tables").glob("*")]
+        for path in sorted(path for path in paths if not path.name.startswith(("journal", "retired"))):
+            size = path.stat().st_size
+            words = f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{size / 1e3:.0f} kB"
+            found.append({"name": _relative(path, folder), "size": words})
+    return found
+
+
+def _relative(path: Path, folder: Path) -> str:
+    return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+
+
+def _provenance(study: Study, folder: Path) -> dict[str, Any]:
+    """Return where a study's rows come from: code, packages, schema, sweep, jobs and the time that they took."""
+    jobs = study.rows.drop_duplicates("job_id")
+    # In a pair's rows the time is the job's, in a flock's that of each bird.
+    by_job = study.rows.groupby("job_id")["solve_time_s"]
+    times = (by_job.sum(min_count=1) if study.kind == "flock" else by_job.first()).dropna()
+    versions = [one.partition("+") for one in study.metadata.get("code_version", "").split(", ")]
+    return {
+        "folder": _relative(study.path, folder),
+        "name": study.path.resolve().name,
+        "versions": " and ".join(sorted({version for version, _, _ in versions})),
+        "commits": " and ".join(sorted({commit for _, _, commit in versions if commit})),
+        "schema": study.metadata.get("schema_version", ""),
+        "packages": json.loads(study.metadata.get("package_versions", "{}")),
+        "sweep": study.metadata.get("sweep", "").strip(),
+        "jobs": len(jobs),
+        "statuses": ", ".join(f"{count} {status}" for status, count in jobs["status"].value_counts().items()),
+        "times": f"{times.sum():.1f} s in all, {times.median():.2f} s a job"
+        if len(times)
+        else "not measured",
+    }

@@ -1,0 +1,156 @@
+"""What species are compared by: inputs and optima free of units, as columns with a meaning.
+
+Positions are in semispans, wavelengths and amplitudes, savings and changes of the stroke fractions, and the
+bird is its four dimensionless groups, on which alone a force-optimal pair depends.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from upwash.batch.columns import CERTIFICATE, INPUTS, OUTCOME, Column
+
+GROUPS = (
+    Column("weight_number", "1", "W/(rho b^2 U^2), twice the lift coefficient over the aspect ratio"),
+    Column("wavelength_number", "1", "lambda/b, wavelength of the wake in semispans"),
+    Column("amplitude_number", "1", "h_L/b, leader's amplitude in semispans"),
+    Column("leader_upstroke_span_ratio", "1", "R_L, leader's upstroke span over downstroke span"),
+)
+"""The four groups on which a force-optimal pair depends."""
+
+POSITION = (
+    Column("x_wavelengths", "1", "follower downstream of its leader, in wavelengths"),
+    Column("x_semispans", "1", "follower downstream of its leader, in semispans"),
+    Column("y_semispans", "1", "follower right of its leader, in semispans"),
+    Column("tip_spacing_semispans", "1", "gap between the two wingtips, in semispans; overlap negative"),
+    Column("z_semispans", "1", "follower above its leader, in semispans"),
+    Column("z_amplitudes", "1", "follower above its leader, in the leader's amplitudes"),
+    Column("phase", "1", "follower's lag behind its leader, in wingbeats"),
+    Column("path_phase", "1", "lag behind the path of the leader's wingtip, in wingbeats; 0 retraces it"),
+)
+
+SAVING = (
+    Column("saving_total", "1", "share of the leader's total power saved"),
+    Column("saving_induced", "1", "share of the leader's induced power saved"),
+    Column("saving_profile", "1", "share of the leader's profile power saved"),
+    Column("profile_share", "1", "share of the power saved that is profile power"),
+    Column("saving_cost", "1", "share of the leader's cost saved, the cost being the objective's"),
+)
+
+STROKE = (
+    Column("amplitude_reduction", "1", "1 - h_F/h_L, by how much less far the follower flaps"),
+    Column(
+        "span_ratio_reduction",
+        "1",
+        "1 - R_F/R_L, by how much more the follower flexes its wing on the upstroke",
+    ),
+)
+
+GAP = (Column("v_gap", "1", "cost of the V optimum over that of the best optimum found, less 1"),)
+
+QUANTITIES = (*POSITION, *SAVING, *STROKE, *GAP)
+"""What a V optimum is compared by; each can have an uncertainty interval."""
+
+ALIKE = 1e-3
+"""Optima in a V whose costs differ by no more than this, as a fraction, are alike to a bird that minds the cost."""
+
+# What is true of the job and not of one of its optima.
+OF_THE_JOB = tuple(
+    column.name
+    for column in (*OUTCOME, *INPUTS, *CERTIFICATE)
+    if column.name not in ("job_id", "leader_upstroke_span_ratio")
+)
+
+
+def with_groups(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return rows of results with the bird's dimensionless groups beside them.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        Any rows with the inputs of jobs, in SI units, solved or not.
+
+    Returns
+    -------
+    DataFrame
+        The rows and the columns of `GROUPS`.
+    """
+    semispan = rows["semispan_m"]
+    weight = rows["mass_kg"] * rows["gravity_m_s2"]
+    return rows.assign(
+        weight_number=weight / (rows["density_kg_m3"] * semispan**2 * rows["speed_m_s"] ** 2),
+        wavelength_number=rows["speed_m_s"] * rows["period_s"] / semispan,
+        amplitude_number=rows["leader_amplitude_m"] / semispan,
+    )
+
+
+def with_quantities(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return rows of optima with their positions, savings and changes of the stroke free of units.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        Rows of results. A row without an optimum gets NaN.
+
+    Returns
+    -------
+    DataFrame
+        The rows and the columns of `GROUPS` and of `QUANTITIES` but `v_gap`, which needs all of a job's rows.
+    """
+    found = with_groups(rows)
+    semispan, wavelength = rows["semispan_m"], rows["speed_m_s"] * rows["period_s"]
+    x, y, z = (rows[name].astype(float) for name in ("x_m", "y_m", "z_m"))
+    saved = rows["leader_power_total_w"] - rows["power_total_w"]
+    found["x_wavelengths"] = x / wavelength
+    found["x_semispans"] = x / semispan
+    found["y_semispans"] = y / semispan
+    found["tip_spacing_semispans"] = y / semispan - 2.0
+    found["z_semispans"] = z / semispan
+    found["z_amplitudes"] = z / rows["leader_amplitude_m"]
+    # The leader's wingtip was here x/lambda wingbeats ago.
+    found["path_phase"] = np.mod(rows["phase"] - x / wavelength + 0.5, 1.0) - 0.5
+    found["profile_share"] = (rows["leader_power_profile_w"] - rows["power_profile_w"]) / saved
+    found["saving_cost"] = 1.0 - rows["cost"] / rows["cost_leader"]
+    found["amplitude_reduction"] = 1.0 - rows["amplitude_m"] / rows["leader_amplitude_m"]
+    found["span_ratio_reduction"] = 1.0 - rows["upstroke_span_ratio"] / rows["leader_upstroke_span_ratio"]
+    return found
+
+
+def optima_of_jobs(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return one row a job: its V optimum by `QUANTITIES`, and what its best optimum is.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        All rows of some jobs, as in ``solutions.parquet``.
+
+    Returns
+    -------
+    DataFrame
+        By job id: the job's inputs and outcome, `GROUPS`, `QUANTITIES` (NaN without a V optimum), ``has_v``,
+        ``v_gap_bound`` (the V optimum's cost over what is proved to be the least, less 1), ``v_alike`` (how many
+        optima in a V cost the same to within `ALIKE`) with the least and largest ``saving_total`` among them,
+        and of the best optimum found placement, tier, station, position and saving, with the prefix ``best_``.
+    """
+    from upwash.optimum.solution import V_LABELS
+
+    scaled = with_quantities(rows)
+    best = scaled.sort_values(["job_id", "rank"]).drop_duplicates("job_id").set_index("job_id")
+    in_v = scaled[scaled["is_v_optimum"].eq(True)].set_index("job_id").reindex(best.index)
+    found = best[[*OF_THE_JOB, *(column.name for column in GROUPS)]].copy()
+    for column in QUANTITIES:
+        if column.name != "v_gap":
+            found[column.name] = in_v[column.name].astype(float)
+    found["v_gap"] = in_v["cost"] / best["cost"] - 1.0
+    found["v_gap_bound"] = in_v["cost"] / best["global_lower_bound"] - 1.0
+    found["has_v"] = in_v["cost"].notna()
+    is_in_v = (scaled[["placement", "tier", "station"]] == list(V_LABELS)).all(axis=1)
+    cost_of_v = scaled["job_id"].map(in_v["cost"])
+    alike = scaled[is_in_v & (scaled["cost"] <= (1.0 + ALIKE) * cost_of_v)].groupby("job_id")["saving_total"]
+    found["v_alike"] = alike.size().reindex(found.index, fill_value=0)
+    found["v_alike_saving_low"] = alike.min().reindex(found.index)
+    found["v_alike_saving_high"] = alike.max().reindex(found.index)
+    for name in ("placement", "tier", "station", "x_semispans", "y_semispans", "z_semispans", "saving_total"):
+        found[f"best_{name}"] = best[name]
+    return found

@@ -1,0 +1,242 @@
+"""The story that the page tells: its chapters in order, what each says, shows and tabulates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pandas as pd
+
+from upwash.report import species_tables
+from upwash.report.comparison import compare, compare_objectives
+from upwash.report.figures.drawing import OBJECTIVE_LABELS, percent
+from upwash.report.figures.flocks import papers_flocks, series
+from upwash.report.mechanism import count_species, mechanism
+from upwash.report.observations import compare_with_observations
+from upwash.report.sources import Sources, best, common_name, objectives_of
+from upwash.report.table import Table
+from upwash.report.tables import (
+    GLOBAL,
+    V,
+    basins,
+    best_optima,
+    both_optima,
+    by_objective,
+    printed_variously,
+    table_1,
+)
+from upwash.species.library import REFERENCE
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """One chapter of the page.
+
+    Parameters
+    ----------
+    name : str
+        Its anchor.
+    title : str
+        Its heading.
+    words : str
+        What it is about.
+    figures : tuple of str
+        Names of its figures.
+    tables : callable
+        Sources -> its tables.
+    missing : str
+        What it takes, if none of its figures can be drawn.
+    remedy : tuple of str
+        Commands that give it; ``{page}`` stands for the one that made the page.
+    """
+
+    name: str
+    title: str
+    words: str
+    figures: tuple[str, ...]
+    tables: Callable[[Sources], list[Table]]
+    missing: str
+    remedy: tuple[str, ...]
+
+
+def _no_tables(sources: Sources) -> list[Table]:
+    return []
+
+
+def _optima_tables(sources: Sources) -> list[Table]:
+    pair = sources.pair
+    if pair is None:
+        return []
+    found = best_optima(pair[pair["objective"] == "force"])
+    beside_the_paper = pair["species"].iloc[0] == REFERENCE and V in found
+    tables = [table_1(pair), printed_variously(pair)] if beside_the_paper else []
+    return [*tables, both_optima(pair)]
+
+
+def _basin_tables(sources: Sources) -> list[Table]:
+    return [] if sources.pair is None else [basins(rows) for rows in by_objective(sources.pair).values()]
+
+
+def _flock_tables(sources: Sources) -> list[Table]:
+    if sources.flock is None:
+        return []
+    tables = []
+    for objective, reading, birds in series(papers_flocks(sources.flock)):
+        frame = pd.DataFrame(
+            {
+                "bird": birds["bird"],
+                "x m": birds["x_flock_m"],
+                "y m": birds["y_flock_m"],
+                "z m": birds["z_flock_m"],
+                "phase": birds["phase_flock"],
+                "h/h_1": birds["amplitude_ratio"],
+                "R/R_1": birds["span_ratio_ratio"],
+                "induced/first's": birds["induced_ratio"],
+                "profile/first's": birds["profile_ratio"],
+                "saving %": 100.0 * birds["saving_total"],
+            }
+        )
+        formats = dict.fromkeys(frame.columns[1:], ".3f") | {"saving %": ".1f"}
+        title = f"Flock of {OBJECTIVE_LABELS[objective]}, reading of the amplitude bound: {reading}"
+        tables.append(Table(title, frame, formats))
+    return tables
+
+
+def _species_tables(sources: Sources) -> list[Table]:
+    if sources.species is None:
+        return []
+    rows, samples = sources.species, sources.samples
+    compared = compare(rows, samples)
+    return [
+        *species_tables.comparison_tables(compared),
+        species_tables.groups_table(compared),
+        *species_tables.objectives_tables(compare_objectives(rows, samples)),
+        species_tables.counts_table(count_species(mechanism(rows, samples))),
+        *species_tables.observations_tables(compare_with_observations(rows, samples, sources.observations)),
+    ]
+
+
+PAIR = ("upwash run reproduce", "upwash aggregate results/reproduce", "{page} results/reproduce")
+"""Commands that give the paper's pair."""
+
+
+def _of_sweep(name: str) -> tuple[str, ...]:
+    """Return the commands that add a sweep's results to a page."""
+    return (f"upwash run {name}", f"upwash aggregate results/{name}", f"{{page}} results/{name}")
+
+
+CHAPTERS = (
+    Chapter(
+        "optimum",
+        "Where a bird should fly behind another",
+        "A follower may choose where it flies, how far and how flexed it flaps, and in which phase. It must "
+        "carry its weight "
+        "and overcome its drag, and the wake of the bird ahead can help with both. These are its best choices.",
+        ("optimal-position",),
+        _optima_tables,
+        "It takes a pair.",
+        PAIR,
+    ),
+    Chapter(
+        "lone-bird",
+        "What a bird leaves in the air",
+        "Flapping leaves a chain of vortex rings. Their impulse carries and propels the bird that made "
+        "them; the air they "
+        "set moving is what a follower meets.",
+        ("lone-wake", "configurations"),
+        _no_tables,
+        "It takes the bird of a pair.",
+        PAIR,
+    ),
+    Chapter(
+        "why-there",
+        "Why there",
+        "Lift and thrust from the wake are large in few places, and seldom both in one. The best place is "
+        "where what is "
+        "missing to fly with a smaller stroke is made up in both at once, with the inner wingtip at a vortex's edge.",
+        ("force-maps", "spacing-rule"),
+        _no_tables,
+        "It takes the optimum of a pair.",
+        PAIR,
+    ),
+    Chapter(
+        "all-optima",
+        "Not the only good place",
+        "The problem has many local optima. All that were found are shown; a lower bound on the cost, "
+        "proved by branch and "
+        "bound, says that nothing better was missed.",
+        ("optima-map",),
+        _basin_tables,
+        "It takes all optima of a pair.",
+        PAIR,
+    ),
+    Chapter(
+        "flock",
+        "A flock",
+        "A flock is a chain of pairs: each bird flies in the wake of the one ahead, at its own optimum there.",
+        ("flock-formation", "flock-view", "flock-saving"),
+        _flock_tables,
+        "It takes a study of flocks; run it, and name its folder too.",
+        _of_sweep("paper-flocks"),
+    ),
+    Chapter(
+        "species",
+        "Other birds",
+        "Does it hold for other birds? Each species of the library, by both costs and both conventions for "
+        "its amplitude, "
+        "beside what was published of it.",
+        (
+            "species-position",
+            "species-saving",
+            "species-stroke",
+            "species-gap",
+            "species-groups",
+            "species-observed",
+        ),
+        _species_tables,
+        "It takes a study of several species; run it, and name its folder too.",
+        _of_sweep("cross-species"),
+    ),
+    Chapter(
+        "parameters",
+        "What it depends on",
+        "One input at a time, about the same bird.",
+        ("speed-power", "parameter-saving"),
+        _no_tables,
+        "It takes a study that varies inputs; run it, and name its folder too.",
+        _of_sweep("ibis-parameters"),
+    ),
+)
+"""The chapters in order."""
+
+
+def short_answer(sources: Sources) -> list[str]:
+    """Return what was found of the pair, one sentence or two for each objective."""
+    pair = sources.pair
+    if pair is None:
+        return ["These results single out no bird whose optimum could be shown here."]
+    name = common_name(pair["species"].iloc[0]).lower()
+    sentences = []
+    for objective in objectives_of(pair):
+        row = best(pair, objective)
+        level = "below" if row["z_m"] < 0.0 else "above"
+        sentence = (
+            f"For {OBJECTIVE_LABELS[objective]} a {name} should fly {row['x_m']:.2f} m behind, "
+            f"{abs(row['y_m']):.2f} m aside and {abs(row['z_m']):.2f} m {level} the bird ahead, lagging it by "
+            f"{row['phase']:.2f} wingbeats. It then flaps "
+            f"{percent(1.0 - row['amplitude_m'] / row['leader_amplitude_m'])} less far "
+            f"and saves {percent(row['saving_total'], 1)} of its power."
+        )
+        found = best_optima(pair[pair["objective"] == objective])
+        if V not in found:
+            sentence += (
+                " There is no optimum outboard, level and astern of its leader: this is the best of all."
+            )
+        elif not found[V]["is_global_optimum"]:
+            gap = found[V]["cost"] / found[GLOBAL]["cost"] - 1.0
+            sentence += (
+                f" That is the best place in a V, but not the best of all: one {found[GLOBAL]['y_m']:.2f} m "
+                f"aside ({found[GLOBAL]['placement']}) costs {percent(gap / (1.0 + gap), 2)} less."
+            )
+        sentences.append(sentence)
+    return sentences

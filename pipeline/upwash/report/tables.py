@@ -1,0 +1,281 @@
+"""The tables that commands print and the page shows, each made from rows of results.
+
+Frames have the columns of ``solutions.parquet`` or, one row a job, of ``summary.parquet``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import hypot
+from typing import Any
+
+import pandas as pd
+
+from upwash.aero.power import COST_FUNCTIONS
+from upwash.batch.check import RESIDUAL_LIMIT
+from upwash.report.paper import PRINTED_VARIOUSLY, TABLE_1, Row
+from upwash.report.quantities import with_quantities
+from upwash.report.table import Table, cell
+
+V, GLOBAL = "V optimum", "global optimum"
+PROVED_BUT_FOR_ROUNDING = 1.0 + 1e-6
+"""A proof ends at the asked gap itself, which the division of two costs returns with rounding."""
+
+PROVED, BEATEN, OPEN = "proved to", "beaten on its wall", "open"
+PROOFS = {
+    PROVED: " e: no V formation, or no position at all, costs less by more than the fraction e",
+    BEATEN: " w: on the wall w of the V region it costs less, and beyond it less still",
+    OPEN: ": the proof ended before it was sure; the gap is what it leaves",
+}
+"""What `proof` says, and what that means."""
+
+
+# What an optimum is described by: words, unit, how the value follows from its row, and whether in short too.
+DESCRIPTION: tuple[tuple[str, str, Callable[[Row], Any], bool], ...] = (
+    ("x, downstream of the leader", "m", lambda row: row["x_m"], True),
+    ("", "wavelengths", lambda row: row["x_wavelengths"], False),
+    ("y, to its right", "m", lambda row: row["y_m"], True),
+    ("", "semispans", lambda row: row["y_semispans"], False),
+    ("z, above it", "m", lambda row: row["z_m"], True),
+    ("", "amplitudes h_L", lambda row: row["z_amplitudes"], False),
+    ("h, tip-to-tip amplitude", "m", lambda row: row["amplitude_m"], True),
+    ("", "amplitudes h_L", lambda row: 1.0 - row["amplitude_reduction"], False),
+    ("R, upstroke span ratio", "", lambda row: row["upstroke_span_ratio"], True),
+    ("κ, phase", "", lambda row: row["phase"], True),
+    ("placement", "", lambda row: row["placement"], True),
+    ("tier", "", lambda row: row["tier"], True),
+    ("station", "", lambda row: row["station"], True),
+    ("self-generated lift", "N", lambda row: row["lift_self_n"], False),
+    ("self-generated thrust", "N", lambda row: row["thrust_self_n"], False),
+    ("self-generated force", "N", lambda row: hypot(row["lift_self_n"], row["thrust_self_n"]), True),
+    ("total power", "W", lambda row: row["power_total_w"], True),
+    ("energy per distance", "J/m", lambda row: row["power_total_w"] / row["speed_m_s"], False),
+    ("saving of the cost", "%", lambda row: 100.0 * row["saving_cost"], False),
+    ("saving of total power", "%", lambda row: 100.0 * row["saving_total"], True),
+    ("saving of induced power", "%", lambda row: 100.0 * row["saving_induced"], False),
+    ("saving of profile power", "%", lambda row: 100.0 * row["saving_profile"], False),
+)
+
+
+def table_1(solutions: pd.DataFrame) -> Table:
+    """Compare the paper's Table 1 with the V optimum of least force.
+
+    Parameters
+    ----------
+    solutions : DataFrame
+        Optima of the paper's pair; those for other objectives are passed over.
+
+    Returns
+    -------
+    Table
+        One row a figure of the follower: the paper's, ours, and the difference over the paper's in percent.
+    """
+    best = best_optima(solutions[solutions["objective"] == "force"])[V]
+    rows = [
+        {
+            "follower": f"{one.symbol}, {one.quantity}",
+            "unit": one.unit,
+            "paper": one.values[0],
+            "Upwash": one.ours(best),
+            "difference %": 100.0 * (one.ours(best) / one.values[0] - 1.0),
+        }
+        for one in TABLE_1
+    ]
+    formats = {
+        "paper": [f".{one.decimals}f" for one in TABLE_1],
+        "Upwash": [f".{one.decimals + 1}f" for one in TABLE_1],
+        "difference %": "+.2f",
+    }
+    return Table("Table 1 of the paper, and the V optimum of least force", pd.DataFrame(rows), formats)
+
+
+def printed_variously(solutions: pd.DataFrame) -> Table:
+    """Compare savings, and what the paper prints with several values, with the V optimum of least force.
+
+    Parameters and result as for `table_1`; the paper's values are given as text.
+    """
+    best = best_optima(solutions[solutions["objective"] == "force"])[V]
+    rows = []
+    for one in PRINTED_VARIOUSLY:
+        places: dict[str, list[str]] = {place: [] for place in one.places}
+        for value, place in zip(one.values, one.places, strict=True):
+            places[place].append(cell(value, f".{one.decimals}f"))
+        printed = "; ".join(f"{' and '.join(values)} ({place})" for place, values in places.items())
+        rows.append(
+            {
+                "follower": f"{one.symbol}, {one.quantity}",
+                "unit": one.unit,
+                "paper": printed,
+                "Upwash": one.ours(best),
+            }
+        )
+    formats = {"Upwash": [f".{one.decimals + 1}f" for one in PRINTED_VARIOUSLY]}
+    return Table("Savings, and where the paper prints several values", pd.DataFrame(rows), formats)
+
+
+def both_optima(solutions: pd.DataFrame, in_short: bool = False) -> Table:
+    """Put the V optimum and the global optimum of each objective side by side, with the gap between them.
+
+    Parameters
+    ----------
+    solutions : DataFrame
+        Optima of one pair for one objective or several.
+    in_short : bool
+        Whether to leave out what follows from the rest.
+
+    Returns
+    -------
+    Table
+        One row a quantity; one column an optimum, or one for both where they are the same.
+    """
+    jobs = by_objective(solutions)
+    columns: dict[str, Row] = {}
+    for objective, rows in jobs.items():
+        found = best_optima(rows)
+        if V in found and found[V]["is_global_optimum"]:
+            found = {f"V and {GLOBAL}": found[V]}
+        for label, row in found.items():
+            columns[label if len(jobs) == 1 else f"{words_of(objective)}: {label}"] = row
+    best = {row["objective"]: row["cost"] for row in columns.values() if row["is_global_optimum"]}
+    standing = (
+        ("cost above the best's", "%", lambda row: 100.0 * (row["cost"] / best[row["objective"]] - 1.0)),
+        ("imbalance of lift or thrust", "", imbalance),
+        ("proof", "", proof),
+    )
+    described = [one[:3] for one in DESCRIPTION if one[3] or not in_short]
+    cells = [
+        {"quantity": words, "unit": unit, **{label: value(row) for label, row in columns.items()}}
+        for words, unit, value in (*described, *standing)
+    ]
+    first = next(iter(columns.values()))
+    title = f"{first['species']}: follower of {' and of '.join(f'least {words_of(name)}' for name in jobs)}"
+    proofs = [str(cells[-1][label]) for label in columns]
+    explained = [words + meaning for words, meaning in PROOFS.items() if any(words in one for one in proofs)]
+    return Table(title, pd.DataFrame(cells), {"%": ".2f"}, (*leader(first), *explained))
+
+
+def by_objective(solutions: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return the rows of each objective that has any, in the order in which cost functions are named."""
+    parts = {name: solutions[solutions["objective"] == name] for name in COST_FUNCTIONS}
+    return {name: rows for name, rows in parts.items() if len(rows)}
+
+
+def words_of(objective: str) -> str:
+    """Return the name of a cost function as words."""
+    return objective.replace("_", " ")
+
+
+def leader(row: Row) -> tuple[str, str]:
+    """Describe the bird ahead on two lines: its lengths and stroke; its forces and power."""
+    lengths = {
+        "semispan b": (row["semispan_m"], "m"),
+        "wavelength λ": (row["speed_m_s"] * row["period_s"], "m"),
+        "amplitude h_L": (row["leader_amplitude_m"], "m"),
+        "upstroke span ratio R_L": (row["leader_upstroke_span_ratio"], ""),
+    }
+    forces = {
+        "weight": (row["weight_n"], "N"),
+        "drag": (row["drag_n"], "N"),
+        "total power": (row["leader_power_total_w"], "W"),
+    }
+    first, second = (
+        ", ".join(f"{name} {value:#.4g} {unit}".rstrip() for name, (value, unit) in part.items())
+        for part in (lengths, forces)
+    )
+    return f"leader: {first};", f"        {second}"
+
+
+def best_optima(rows: pd.DataFrame) -> dict[str, Row]:
+    """Return the V optimum and the global optimum of one job, `with_quantities`, if there are any."""
+    labels = {V: "is_v_optimum", GLOBAL: "is_global_optimum"}
+    chosen = {label: with_quantities(rows[rows[name].eq(True)]) for label, name in labels.items()}
+    return {
+        label: dict(zip(found.columns, found.iloc[0], strict=True))
+        for label, found in chosen.items()
+        if len(found)
+    }
+
+
+def imbalance(row: Row) -> str:
+    """Say by how much lift and thrust miss weight and drag, or that it is within what checks allow."""
+    worst = max(abs(row["residual_lift"]), abs(row["residual_thrust"]))
+    return f"below {power_of_ten(RESIDUAL_LIMIT)}" if worst <= RESIDUAL_LIMIT else f"by {power_of_ten(worst)}"
+
+
+def proof(row: Row) -> str:
+    """Say what branch and bound has shown of a V optimum or a global optimum, in a few words."""
+    region = "global" if row["is_global_optimum"] else "v"
+    gap = row[f"{region}_certified_gap"]
+    if pd.isna(gap):
+        return "not examined"
+    if gap <= row["tolerance"] * PROVED_BUT_FOR_ROUNDING:
+        return f"{PROVED} {power_of_ten(gap)}"
+    if region == "v" and row["v_wall"]:
+        return f"{BEATEN} {row['v_wall']}, by {power_of_ten(gap)} at most"
+    return f"{OPEN}, gap {power_of_ten(gap)}"
+
+
+def power_of_ten(value: float) -> str:
+    """Write a small number as 1.0e-4."""
+    mantissa, _, exponent = f"{value:.1e}".partition("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def basins(rows: pd.DataFrame) -> Table:
+    """List all optima of one job with the evidence for each.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        All optima of one job, best first.
+
+    Returns
+    -------
+    Table
+        One row an optimum. The core edges that it lies on are letters, explained in the notes.
+    """
+    best = rows["cost"].iloc[0]
+    edges = sorted({edge for text in rows["core_edges"] for edge in split(text)})
+    letters = {edge: _letters(number) for number, edge in enumerate(edges)}
+    unit = COST_FUNCTIONS[rows["objective"].iloc[0]].unit
+    frame = pd.DataFrame(
+        {
+            "rank": rows["rank"].astype(int),
+            "": ["V" if is_v else "" for is_v in rows["is_v_optimum"].astype(bool)],
+            f"cost {unit}": rows["cost"],
+            "above %": 100.0 * (rows["cost"] / best - 1.0),
+            "x m": rows["x_m"],
+            "y m": rows["y_m"],
+            "z m": rows["z_m"],
+            "h m": rows["amplitude_m"],
+            "R": rows["upstroke_span_ratio"],
+            "κ": rows["phase"],
+            "placement": rows["placement"],
+            "tier": rows["tier"],
+            "station": rows["station"],
+            "hits": rows["hits"].astype(int),
+            "bounds": [" ".join(split(text)) or "-" for text in rows["active_bounds"]],
+            "edges": [" ".join(letters[edge] for edge in split(text)) or "-" for text in rows["core_edges"]],
+            "stationarity": rows["stationarity"],
+        }
+    )
+    places = dict.fromkeys(["x m", "y m", "z m", "h m", "R", "κ"], ".4f")
+    formats = {f"cost {unit}": "#.6g", "above %": ".3f", "stationarity": ".0e", **places}
+    count = f"{len(rows)} local optima of {words_of(rows['objective'].iloc[0])}"
+    notes = [f"{letter}: {edge}" for edge, letter in letters.items()]
+    head = [
+        f"hits: of {int(rows['starts'].iloc[0])} starts; mu, of the bounds: |κ − ½|",
+        *(["edges, cores of the leader's vortices that the follower's wingtips touch:"] if notes else []),
+    ]
+    return Table(count, frame, formats, (*head, *notes))
+
+
+def split(text: Any) -> list[str]:
+    """Return the parts of a comma-separated text."""
+    return [part.strip() for part in text.split(",")] if isinstance(text, str) and text else []
+
+
+def _letters(number: int) -> str:
+    """Return a, b, … z, aa, ab and so on."""
+    head = _letters(number // 26 - 1) if number >= 26 else ""
+    return head + chr(ord("a") + number % 26)

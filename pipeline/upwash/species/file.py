@@ -1,0 +1,296 @@
+"""Reading one species file: TOML in, quantities in SI units out, or one line on what is wrong."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from upwash.errors import UpwashError
+from upwash.species.allometry import AS_IBIS, RULES
+from upwash.species.quantity import BASES, FORMATION_SHAPES, QUANTITIES, Formation, Kind, Quantity
+
+# A value that a file states beside the rule that filled it may differ from the rule by rounding, not by more.
+RULE_ROUNDING = 0.01
+
+NAMES = ("common_name", "scientific_name")
+QUANTITY_KEYS = ("value", "unit", "low", "high", "basis", "rule", "source", "sample", "note")
+FORMATION_KEYS = ("shape", "basis", "source", "note")
+
+
+@dataclass(frozen=True)
+class SpeciesFile:
+    """What one species file says."""
+
+    common_name: str
+    scientific_name: str
+    quantities: dict[str, Quantity]
+    formation: Formation | None
+    note: str
+
+
+def printable(value: object) -> str:
+    """A value from outside, short and on one line."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def did_you_mean(name: str, names: Iterable[str]) -> str:
+    """Name the nearest of `names`, or list them all where none is near."""
+    names = list(names)
+    near = get_close_matches(name, names, n=1, cutoff=0.6)
+    return f"did you mean {near[0]!r}?" if near else f"choose from {', '.join(names)}"
+
+
+def read_species_file(path: Path, ibis: Callable[[], Mapping[str, Quantity]]) -> SpeciesFile:
+    """Read and check a species file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    ibis : callable
+        Returns the northern bald ibis's quantities; called only if a value is taken over from it.
+
+    Returns
+    -------
+    SpeciesFile
+        Its content, in SI units (angles in degrees).
+
+    Raises
+    ------
+    UpwashError
+        If it cannot be read, or something in it is missing, unknown, of the wrong kind or out of bounds.
+    """
+    return _Reader(path, ibis).read()
+
+
+class _Reader:
+    """Checks one file; every complaint names the file, the table and the key."""
+
+    def __init__(self, path: Path, ibis: Callable[[], Mapping[str, Quantity]]) -> None:
+        self.path = path
+        self.ibis = ibis
+
+    def error(self, where: str, expected: str, found: str, remedy: str) -> UpwashError:
+        """Build the one line that says what is wrong, where, and what to do."""
+        name = str(self.path) if str(self.path).isprintable() else printable(str(self.path))
+        return UpwashError(f"{name}: {where}: expected {expected}, found {found}; {remedy}")
+
+    def read(self) -> SpeciesFile:
+        content = self.parse()
+        known = [*NAMES, "note", *QUANTITIES, "formation"]
+        self.refuse_unknown(content, known, "top level")
+        common_name, scientific_name = (self.text(content, key, "top level") for key in NAMES)
+        tables = {
+            name: self.table(content, name)
+            for name, kind in QUANTITIES.items()
+            if self.needed(content, name, kind)
+        }
+        quantities: dict[str, Quantity] = {}
+        # Rules compute from stated values, so those are read first.
+        for name in sorted(tables, key=lambda name: "rule" in tables[name]):
+            quantities[name] = self.quantity(name, tables[name], quantities)
+        return SpeciesFile(
+            common_name=common_name,
+            scientific_name=scientific_name,
+            quantities={name: quantities[name] for name in QUANTITIES if name in quantities},
+            formation=self.formation(content),
+            note=self.text(content, "note", "top level", optional=True),
+        )
+
+    def parse(self) -> dict[str, Any]:
+        if not self.path.is_file():
+            found = "no such file" if not self.path.exists() else "something else"
+            raise self.error(
+                "file",
+                "a species file (TOML)",
+                found,
+                "check the path, or list names by 'upwash species list'",
+            )
+        try:
+            return tomllib.loads(self.path.read_text(encoding="utf-8"))
+        except OSError as error:
+            raise self.error(
+                "file", "a file that can be read", str(error.strerror), "check its permissions"
+            ) from error
+        except UnicodeDecodeError as error:
+            raise self.error(
+                "file", "text in UTF-8", f"a byte that is not, at {error.start}", "save it as UTF-8"
+            ) from error
+        except (ValueError, RecursionError) as error:
+            found = "tables nested too deeply" if isinstance(error, RecursionError) else f"a mistake: {error}"
+            remedy = "correct that line: text needs quotes, and each [table] may appear once"
+            raise self.error("TOML syntax", "a valid TOML file", found, remedy) from error
+
+    def refuse_unknown(self, table: Mapping[str, Any], known: Iterable[str], where: str) -> None:
+        for key in table:
+            if key not in known:
+                raise self.error(
+                    where, "only keys that Upwash knows", printable(key), did_you_mean(key, known)
+                )
+
+    def text(self, table: Mapping[str, Any], key: str, where: str, optional: bool = False) -> str:
+        value = table.get(key, "")
+        if key not in table and not optional:
+            raise self.error(where, f'{key} = "..."', "no such key", f"add {key}")
+        if (
+            not isinstance(value, str)
+            or (not optional and value.strip() in ("", "?"))
+            or not value.isprintable()
+        ):
+            raise self.error(
+                f"{where} {key}", "a line of text", printable(value), f"write {key} in quotes, on one line"
+            )
+        return value.strip()
+
+    def needed(self, content: Mapping[str, Any], name: str, kind: Kind) -> bool:
+        """Whether a quantity is there to be read; complain if it is not and must be."""
+        if name in content:
+            return True
+        if kind.optional:
+            return False
+        by_rule = "".join(f', or with rule = "{rule}"' for rule in kind.rules)
+        raise self.error(
+            f"[{name}]", "this table", "none", f"add it with a value and its unit ({kind.unit}){by_rule}"
+        )
+
+    def table(self, content: Mapping[str, Any], name: str) -> dict[str, Any]:
+        table = content[name]
+        if not isinstance(table, dict):
+            raise self.error(
+                f"[{name}]",
+                "a table",
+                printable(table),
+                f"write [{name}] on a line of its own, its keys below",
+            )
+        return table
+
+    def quantity(self, name: str, table: Mapping[str, Any], known: Mapping[str, Quantity]) -> Quantity:
+        """Read a quantity; a rule supplies what the table leaves out."""
+        where, kind = f"[{name}]", QUANTITIES[name]
+        self.refuse_unknown(table, QUANTITY_KEYS, where)
+        filled = self.rule(name, table, known) if "rule" in table else None
+        value, low, high = (
+            getattr(filled, key) if filled and key not in table else self.number(table, key, name)
+            for key in ("value", "low", "high")
+        )
+        if not low <= value <= high:
+            raise self.error(
+                where,
+                "low <= value <= high",
+                f"{low:g}, {value:g}, {high:g} {kind.unit}",
+                "correct the one that is wrong",
+            )
+        if filled and not math.isclose(value, filled.value, rel_tol=RULE_ROUNDING):
+            raise self.error(
+                f"{where} value",
+                f"{filled.value:.4g} {kind.unit} by rule {filled.rule!r}",
+                f"{value:g}",
+                "delete the value, or the rule if it is not the rule's",
+            )
+        basis = self.choice(table, "basis", BASES, where) if "basis" in table or not filled else filled.basis
+        if filled and basis != filled.basis:
+            raise self.error(
+                f"{where} basis", f"{filled.basis!r} with rule {filled.rule!r}", printable(basis), "delete it"
+            )
+        return Quantity(
+            value=value,
+            unit=kind.unit,
+            low=low,
+            high=high,
+            basis=basis,
+            source=self.text(table, "source", where) if "source" in table or not filled else filled.source,
+            rule=filled.rule if filled else "",
+            sample=self.sample(table, where),
+            note=self.text(table, "note", where, optional=True),
+        )
+
+    def number(self, table: Mapping[str, Any], key: str, name: str) -> float:
+        """Read a number in the table's unit and return it in SI."""
+        where, kind = f"[{name}] {key}", QUANTITIES[name]
+        if key not in table:
+            remedy = (
+                "measure, cite or judge one"
+                if key == "value"
+                else "give the range to sample, low and high about the value"
+            )
+            raise self.error(f"[{name}]", f"{key} = a number", "no such key", remedy)
+        unit = self.choice(table, "unit", kind.units, f"[{name}]")
+        value = table[key]
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise self.error(
+                where, kind.expected, printable(value), f"write a number in {unit}, without quotes"
+            )
+        try:
+            converted = float(value) / kind.units[unit]
+        except OverflowError:
+            converted = math.inf
+        if not kind.allows(converted):
+            raise self.error(where, kind.expected, printable(value), f"correct it; the unit is {unit}")
+        return converted
+
+    def sample(self, table: Mapping[str, Any], where: str) -> int | None:
+        value = table.get("sample")
+        if value is not None and (isinstance(value, bool) or not isinstance(value, int) or value < 1):
+            raise self.error(
+                f"{where} sample",
+                "a whole number of birds or tracks",
+                printable(value),
+                "correct or delete it",
+            )
+        return value
+
+    def choice(self, table: Mapping[str, Any], key: str, choices: Iterable[str], where: str) -> str:
+        value, quoted = table.get(key), " or ".join(f'"{choice}"' for choice in choices)
+        if not isinstance(value, str) or value not in choices:
+            found = printable(value) if key in table else "no such key"
+            raise self.error(f"{where} {key}", quoted, found, "write one of these")
+        return value
+
+    def rule(self, name: str, table: Mapping[str, Any], known: Mapping[str, Quantity]) -> Quantity:
+        """What the rule that a table names gives for this bird."""
+        where = f"[{name}] rule"
+        kind = QUANTITIES[name]
+        if not kind.rules:
+            raise self.error(
+                where, "no rule for this quantity", printable(table["rule"]), "state a value instead"
+            )
+        rule_name = self.choice(table, "rule", kind.rules, f"[{name}]")
+        if rule_name == AS_IBIS:
+            ibis = self.ibis()[name]
+            return Quantity(
+                ibis.value, ibis.unit, ibis.low, ibis.high, "assumed", "the northern bald ibis's", AS_IBIS
+            )
+        rule = RULES[rule_name]
+        missing = [need for need in rule.needs if need not in known]
+        if missing:
+            raise self.error(
+                where,
+                f"[{missing[0]}] to compute from",
+                "none",
+                f"add [{missing[0]}], or state a value instead",
+            )
+        value = rule.formula(*(known[need].value for need in rule.needs))
+        low, high = value * (1.0 - rule.spread), value * (1.0 + rule.spread)
+        if not kind.allows(high):
+            raise self.error(
+                where, kind.expected, f"{value:.4g} +{rule.spread:.0%}", "state a value and its range instead"
+            )
+        return Quantity(value, kind.unit, low, high, "computed", f"{rule.source}: {rule.words}", rule_name)
+
+    def formation(self, content: Mapping[str, Any]) -> Formation | None:
+        if "formation" not in content:
+            return None
+        table, where = self.table(content, "formation"), "[formation]"
+        self.refuse_unknown(table, FORMATION_KEYS, where)
+        return Formation(
+            shape=self.choice(table, "shape", FORMATION_SHAPES, where),
+            basis=self.choice(table, "basis", BASES, where),
+            source=self.text(table, "source", where),
+            note=self.text(table, "note", where, optional=True),
+        )

@@ -1,0 +1,244 @@
+"""A species: its sourced quantities, two conventions for its amplitude, and the bird for the physics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from numbers import Real
+from typing import TYPE_CHECKING
+
+from upwash.errors import UpwashError
+from upwash.species.file import did_you_mean, printable
+from upwash.species.quantity import Formation, Quantity
+
+if TYPE_CHECKING:
+    from upwash.aero.bird import Bird
+
+AMPLITUDE_CONVENTIONS = {
+    "stroke-angle": "h = 2 b sin(stroke half-angle of the species' own file)",
+    "strouhal": "h at the northern bald ibis's Strouhal number f h/U",
+}
+
+# Inputs of a bird that come straight from a species' quantities: input -> quantity.
+_INPUT_QUANTITIES = {
+    "mass_kg": "mass",
+    "semispan_m": "wingspan",
+    "speed_m_s": "speed",
+    "period_s": "wingbeat_frequency",
+    "density_kg_m3": "air_density",
+    "gravity_m_s2": "gravity",
+    "upstroke_span_ratio": "upstroke_span_ratio",
+    "stroke_half_angle_deg": "stroke_half_angle",
+}
+# A bird's other inputs, which no species file states.
+_OTHER_INPUTS = ("amplitude_m", "circulation_ratio")
+
+
+class ImpossibleAmplitude(UpwashError):
+    """A convention asks for wingtips that rise and fall by more than the wingspan: a result, not a slip.
+
+    Parameters
+    ----------
+    message : str
+        One line that says so.
+    amplitude_m : float
+        The tip-to-tip amplitude asked for, in m.
+    wingspan_m : float
+        The most that it can be, in m.
+    """
+
+    def __init__(self, message: str, amplitude_m: float, wingspan_m: float) -> None:
+        super().__init__(message)
+        self.amplitude_m = amplitude_m
+        self.wingspan_m = wingspan_m
+
+
+def _input_value(name: str, value: float) -> float:
+    """A bird's input from the SI value of the quantity behind it."""
+    if name == "semispan_m":
+        return value / 2.0
+    if name == "period_s":
+        return 1.0 / value
+    return value
+
+
+@dataclass(frozen=True)
+class Species:
+    """One species as its file describes it.
+
+    Parameters
+    ----------
+    slug : str
+        The file's name without ``.toml``.
+    common_name, scientific_name : str
+        Names.
+    quantities : mapping of str to Quantity
+        Values in SI units (angles in degrees) with source, basis and range.
+    formation : Formation or None
+        How the species flies together, if known.
+    note : str
+        A remark on the species, or "".
+    reference_amplitude_m, reference_wavelength_m : float
+        Amplitude and wavelength of the lone northern bald ibis, in m: their ratio is its Strouhal number.
+    """
+
+    slug: str
+    common_name: str
+    scientific_name: str
+    quantities: Mapping[str, Quantity]
+    formation: Formation | None
+    note: str
+    reference_amplitude_m: float
+    reference_wavelength_m: float
+
+    def inputs(self) -> dict[str, float]:
+        """Return the bird's inputs that the file fixes, in SI units, and ``stroke_half_angle_deg``."""
+        return {name: _input_value(name, self.quantities[of].value) for name, of in _INPUT_QUANTITIES.items()}
+
+    def ranges(self, amplitude: str = "stroke-angle") -> dict[str, tuple[float, float]]:
+        """Return the range (low, high) of each input that matters under an amplitude convention.
+
+        Every name is an override that `bird` takes with that convention, so the ranges can be sampled.
+        """
+        _check_convention(amplitude)
+        ranges = {}
+        for name, of in _INPUT_QUANTITIES.items():
+            if name != "stroke_half_angle_deg" or amplitude == "stroke-angle":
+                ends = (
+                    _input_value(name, end) for end in (self.quantities[of].low, self.quantities[of].high)
+                )
+                low, high = sorted(ends)
+                ranges[name] = (low, high)
+        return ranges
+
+    def amplitude_m(self, amplitude: str = "stroke-angle", **overrides: float) -> float:
+        """Tip-to-tip amplitude of the lone bird under a convention, in m.
+
+        Parameters
+        ----------
+        amplitude : str
+            ``stroke-angle``: h = 2 b sin(half-angle), from the species' own file.
+            ``strouhal``: h/λ = f h/U as for the northern bald ibis.
+        **overrides : float
+            Inputs that differ from the species' own, as for `bird`.
+
+        Raises
+        ------
+        ImpossibleAmplitude
+            If the amplitude exceeds the wingspan: the wings would need a half-angle of more than 90 degrees.
+        UpwashError
+            If the convention or an override is unknown, or an override is no positive number.
+        """
+        return self._bird_inputs(amplitude, overrides)["amplitude_m"]
+
+    def half_angle_deg(self, amplitude: str = "stroke-angle") -> float:
+        """Half of the wing's stroke angle under a convention, in degrees; raises as `amplitude_m` does."""
+        if amplitude == "stroke-angle":
+            return self.quantities["stroke_half_angle"].value
+        return math.degrees(math.asin(self.amplitude_m(amplitude) / self.quantities["wingspan"].value))
+
+    def bird(self, amplitude: str = "stroke-angle", **overrides: float) -> Bird:
+        """Return the bird that the physics takes.
+
+        Parameters
+        ----------
+        amplitude : str
+            How the amplitude is chosen, see `amplitude_m`.
+        **overrides : float
+            Bird's fields that differ from the species' own, in SI units, and ``stroke_half_angle_deg``. The
+            amplitude follows from the inputs as overridden, unless ``amplitude_m`` itself is given.
+
+        Returns
+        -------
+        Bird
+            The species' bird, flying alone.
+
+        Raises
+        ------
+        ImpossibleAmplitude
+            If the amplitude exceeds the wingspan.
+        UpwashError
+            If the convention or an override is unknown, or a value makes no bird.
+        """
+        from upwash.aero.bird import Bird
+
+        inputs = self._bird_inputs(amplitude, overrides)
+        try:
+            return Bird(**inputs)
+        except ValueError as error:
+            raise UpwashError(f"{self.slug}: {error}") from error
+
+    def groups(self, amplitude: str = "stroke-angle") -> dict[str, float]:
+        """Return the dimensionless groups, by the names of `upwash.species.groups.GROUPS`.
+
+        Raises
+        ------
+        ImpossibleAmplitude
+            If the amplitude exceeds the wingspan under this convention.
+        """
+        inputs = self._bird_inputs(amplitude, {})
+        semispan, wavelength = inputs["semispan_m"], inputs["speed_m_s"] * inputs["period_s"]
+        weight = inputs["mass_kg"] * inputs["gravity_m_s2"]
+        groups = {
+            "weight_number": weight / (inputs["density_kg_m3"] * semispan**2 * inputs["speed_m_s"] ** 2),
+            "wavelength_number": wavelength / semispan,
+            "amplitude_number": inputs["amplitude_m"] / semispan,
+            "upstroke_span_ratio": inputs["upstroke_span_ratio"],
+            "strouhal": inputs["amplitude_m"] / wavelength,
+        }
+        if "wing_area" in self.quantities:
+            groups["aspect_ratio"] = (2.0 * semispan) ** 2 / self.quantities["wing_area"].value
+        return groups
+
+    def _bird_inputs(self, amplitude: str, overrides: Mapping[str, float]) -> dict[str, float]:
+        """All of Bird's fields that are fixed, the amplitude by a convention unless overridden."""
+        _check_convention(amplitude)
+        inputs = self.inputs()
+        for name, value in overrides.items():
+            if name not in inputs and name not in _OTHER_INPUTS:
+                remedy = did_you_mean(name, [*self.inputs(), *_OTHER_INPUTS])
+                raise UpwashError(
+                    f"{self.slug}: expected an input of a bird, found {printable(name)}; {remedy}"
+                )
+            if isinstance(value, bool) or not isinstance(value, Real) or not 0.0 < value < math.inf:
+                raise UpwashError(
+                    f"{self.slug}: {name}: expected a positive, finite number, found {printable(value)}"
+                )
+            inputs[name] = float(value)
+        half_angle = inputs.pop("stroke_half_angle_deg")
+        if "stroke_half_angle_deg" in overrides and (
+            "amplitude_m" in overrides or amplitude != "stroke-angle"
+        ):
+            raise UpwashError(
+                f"{self.slug}: stroke_half_angle_deg: expected amplitude = 'stroke-angle' and no amplitude_m "
+                "beside it, since it sets the amplitude; leave one of them out"
+            )
+        if half_angle > 90.0:
+            raise UpwashError(
+                f"{self.slug}: stroke_half_angle_deg: expected at most 90, found {half_angle:g}"
+            )
+        wingspan = 2.0 * inputs["semispan_m"]
+        if amplitude == "stroke-angle":
+            by_convention = wingspan * math.sin(math.radians(half_angle))
+        else:
+            # As a ratio of wavelengths, so that the ibis gets its own amplitude back to the last digit.
+            wavelength = inputs["speed_m_s"] * inputs["period_s"]
+            by_convention = self.reference_amplitude_m * (wavelength / self.reference_wavelength_m)
+        inputs.setdefault("amplitude_m", by_convention)
+        if inputs["amplitude_m"] > wingspan:
+            origin = "" if "amplitude_m" in overrides else f" by convention {amplitude!r}"
+            raise ImpossibleAmplitude(
+                f"{self.slug}: amplitude_m{origin}: expected at most the wingspan, {wingspan:.4g}, that is "
+                f"a half-angle of 90 degrees, found {inputs['amplitude_m']:.4g}; no wing can: choose another",
+                amplitude_m=inputs["amplitude_m"],
+                wingspan_m=wingspan,
+            )
+        return inputs
+
+
+def _check_convention(amplitude: str) -> None:
+    """Complain about an unknown amplitude convention."""
+    if amplitude not in AMPLITUDE_CONVENTIONS:
+        expected = " or ".join(f'"{name}"' for name in AMPLITUDE_CONVENTIONS)
+        raise UpwashError(f"amplitude: expected {expected}, found {printable(amplitude)}; write one of these")

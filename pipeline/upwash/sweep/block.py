@@ -1,0 +1,205 @@
+"""What one block of a sweep varies, and the jobs that follow from it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+from upwash.aero.bird import Bird
+from upwash.aero.wake import WakeModel
+from upwash.species import ImpossibleAmplitude, Species
+from upwash.sweep.job import Job
+from upwash.sweep.values import Setting, unit_sample
+
+STROKE_ANGLE = "stroke_half_angle_deg"
+PAPER = WakeModel()
+RESOLUTION = tuple(entry.name for entry in fields(WakeModel))
+PARAMETERS = (*(entry.name for entry in fields(Bird)), STROKE_ANGLE, *RESOLUTION)
+WHOLE = ("stroke_states", "span_nodes")
+
+# Where a job's inputs are named otherwise than in a sweep file: there they describe the bird ahead.
+COLUMN = {
+    "amplitude": "amplitude_convention",
+    "amplitude_m": "leader_amplitude_m",
+    "upstroke_span_ratio": "leader_upstroke_span_ratio",
+}
+GIVEN = "given"
+
+Choice = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A sampled design: `method` and `seed` of the points, and the range of each parameter.
+
+    `ranges` maps parameter -> (low, high, relative); None stands for each species' own ranges, of those
+    `parameters` or, if there are none, of all.
+    """
+
+    method: str
+    count: int
+    seed: int
+    ranges: Mapping[str, tuple[float, float, bool]] | None
+    parameters: tuple[str, ...] = ()
+
+    def ranges_of(self, species: Species, convention: str) -> Mapping[str, tuple[float, float, bool]]:
+        """Return the range of each sampled parameter for one species."""
+        if self.ranges is not None:
+            return self.ranges
+        own = species.ranges(convention)
+        return {name: (*own[name], False) for name in self.parameters or own}
+
+    def points(self, species: Species, convention: str) -> list[dict[str, Setting]]:
+        """Return the design's points for one species; the same points of the unit cube for each."""
+        ranges = self.ranges_of(species, convention)
+        return [
+            {
+                name: Setting(low + (high - low) * share, relative)
+                for (name, (low, high, relative)), share in zip(ranges.items(), point, strict=True)
+            }
+            for point in unit_sample(self.method, self.count, len(ranges), self.seed)
+        ]
+
+    def size(self, species: Species, convention: str) -> int:
+        """Return how many points the design has for one species."""
+        return self.count * (len(self.ranges_of(species, convention)) + 2 if self.method == "saltelli" else 1)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition on one input: one of `values`, or a number between two bounds, themselves excluded."""
+
+    values: tuple[Any, ...] = ()
+    above: float = -math.inf
+    below: float = math.inf
+
+    def holds(self, value: Any) -> bool:
+        """Whether a value meets the condition; numbers are equal to within rounding."""
+        if not self.values:
+            return self.above < value < self.below
+        if isinstance(value, str):
+            return value in self.values
+        return any(not isinstance(one, str) and math.isclose(value, one, rel_tol=1e-9) for one in self.values)
+
+
+@dataclass(frozen=True)
+class Block:
+    """A product of choices, and what is left out of it.
+
+    Parameters
+    ----------
+    kind, solver : str
+        As for `Job`.
+    species : list of Species
+        Birds.
+    choices : dict
+        Input of a job other than the parameters (``objective``, ``amplitude``, ``seed``, …) -> its values.
+    fixed : dict
+        Parameter -> setting, for every job.
+    axes : list
+        Each a list of points, a point being parameter -> setting.
+    sample : Sample or None
+        A sampled design, crossed with the rest.
+    exclusions : list of dict
+        Input -> condition; a job that meets all of one is left out.
+    """
+
+    kind: str
+    solver: str
+    species: list[Species]
+    choices: dict[str, list[Any]]
+    fixed: dict[str, Setting]
+    axes: list[list[dict[str, Setting]]]
+    sample: Sample | None
+    exclusions: list[dict[str, Condition]]
+
+    def size(self) -> int:
+        """Return the number of jobs before exclusions."""
+        others = [values for name, values in self.choices.items() if name != "amplitude"]
+        per_bird = math.prod(map(len, [*self.axes, *others]))
+        birds = itertools.product(self.species, self.choices["amplitude"])
+        return sum(per_bird * (self.sample.size(*bird) if self.sample else 1) for bird in birds)
+
+    def jobs(self) -> Iterator[tuple[Job, int | None]]:
+        """Make the jobs in the order of the file, each with the number of an exclusion it meets, or None.
+
+        Raises
+        ------
+        UpwashError
+            If a combination of values makes no bird.
+        """
+        others = {name: values for name, values in self.choices.items() if name != "amplitude"}
+        for species, convention in itertools.product(self.species, self.choices["amplitude"]):
+            axes = [*self.axes, self.sample.points(species, convention)] if self.sample else self.axes
+            for values in itertools.product(*others.values()):
+                choice = {**dict(zip(others, values, strict=True)), "amplitude": convention}
+                for points in itertools.product(*axes):
+                    point = self.fixed | {name: setting for one in points for name, setting in one.items()}
+                    job = self._job(species, choice, point)
+                    met = (i for i, one in enumerate(self.exclusions) if _meets(job, one))
+                    yield job, next(met, None)
+
+    def _job(self, species: Species, choice: Choice, point: Mapping[str, Setting]) -> Job:
+        convention = choice["amplitude"]
+        is_given = "amplitude_m" in point and not point["amplitude_m"].relative
+        resolution = {name: getattr(PAPER, name) for name in RESOLUTION}
+        for name in resolution.keys() & point.keys():
+            resolution[name] = point[name].value * (resolution[name] if point[name].relative else 1)
+        bird = bird_inputs(species, convention, point)
+        return Job(
+            kind=self.kind,
+            species=species.slug,
+            solver=self.solver,
+            amplitude_convention=GIVEN if is_given else convention,
+            **{name: value for name, value in choice.items() if name != "amplitude"},
+            **{COLUMN.get(name, name): value for name, value in bird.items()},
+            **resolution,
+        )
+
+
+def bird_inputs(species: Species, convention: str, point: Mapping[str, Setting]) -> dict[str, Any]:
+    """Return Bird's fields for a species with some inputs set otherwise.
+
+    An amplitude beyond the wingspan is kept: that the bird cannot fly so is a result, for the job to report.
+
+    Raises
+    ------
+    UpwashError
+        If the values make no bird for another reason.
+    """
+    own = {**species.inputs(), "circulation_ratio": 1.0}
+    overrides = {
+        name: setting.value * (own[name] if setting.relative else 1.0)
+        for name, setting in point.items()
+        if name not in RESOLUTION and not (name == "amplitude_m" and setting.relative)
+    }
+    amplitude = point.get("amplitude_m")
+    try:
+        if amplitude is not None and amplitude.relative:
+            overrides["amplitude_m"] = amplitude.value * _amplitude_m(species, convention, overrides)
+        bird = species.bird(convention, **overrides)
+        return {entry.name: getattr(bird, entry.name) for entry in fields(Bird)}
+    except ImpossibleAmplitude as error:
+        inputs = {**own, **overrides, "amplitude_m": error.amplitude_m}
+        return {entry.name: inputs[entry.name] for entry in fields(Bird)}
+
+
+def _amplitude_m(species: Species, convention: str, overrides: dict[str, float]) -> float:
+    try:
+        return species.amplitude_m(convention, **overrides)
+    except ImpossibleAmplitude as error:
+        return error.amplitude_m
+
+
+def _meets(job: Job, exclusion: Mapping[str, Condition]) -> bool:
+    return all(condition.holds(_input(job, name)) for name, condition in exclusion.items())
+
+
+def _input(job: Job, name: str) -> Any:
+    """Return a job's input by its name in a sweep file."""
+    if name == STROKE_ANGLE:
+        return math.degrees(math.asin(min(1.0, job.leader_amplitude_m / (2.0 * job.semispan_m))))
+    return getattr(job, COLUMN.get(name, name))

@@ -1,0 +1,344 @@
+"""Reading one sweep file: TOML in, jobs out, or one line about the first thing that is wrong."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from upwash.aero.power import COST_FUNCTIONS
+from upwash.errors import UpwashError
+from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
+from upwash.species.file import did_you_mean, printable
+from upwash.sweep.block import PARAMETERS, WHOLE, Block, Condition, Sample
+from upwash.sweep.entry import Entry, read_toml
+from upwash.sweep.job import BUILT_IN_SOLVER, FLOCK_CHOICES, Job
+from upwash.sweep.values import SAMPLERS, Setting, is_number, sampling_range, settings
+
+# Beside the package in a checkout, which is how Upwash is installed (pip install --editable).
+SWEEP_FOLDER = Path(__file__).parents[3] / "sweeps"
+
+KINDS = ("pair", "flock")
+DEFAULTS: dict[str, Any] = {"objective": "force", "amplitude": "stroke-angle", "seed": 0, "tolerance": 1e-4}
+FLOCK_DEFAULTS: dict[str, Any] = {
+    "birds": 6,
+    "shape": "echelon",
+    "wake": "neighbour",
+    "reading": "immediate",
+    "wavelengths": 1,
+}
+FILE_KEYS = ("name", "description", "kind", "solver", "block")
+BLOCK_KEYS = ("species", *DEFAULTS, "fixed", "grid", "zip", "sample", "exclude", "flock")
+SAMPLE_KEYS = ("method", "count", "seed", "within", "parameters", "ranges")
+TEXT_INPUTS = ("species", "objective", "amplitude", *FLOCK_CHOICES)
+
+# A sweep's name becomes a folder's: nothing in it may lead elsewhere, hide it, or be too long.
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,79}")
+SOLVER = re.compile(rf"{BUILT_IN_SOLVER}|[A-Za-z_][\w.]*:[A-Za-z_]\w*")
+MAX_JOBS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A sweep file as read.
+
+    Parameters
+    ----------
+    name : str
+        Safe to use as a folder's name.
+    text : str
+        The file's own text.
+    jobs : list of Job
+        Each once, in the order of the file.
+    """
+
+    name: str
+    text: str
+    jobs: list[Job]
+
+
+def find_sweep(name_or_path: str | os.PathLike[str]) -> Path:
+    """Return the file of a sweep.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        A name in sweeps/, or the path of a file: whatever ends in ``.toml`` or contains a path separator.
+
+    Raises
+    ------
+    UpwashError
+        If there is no sweep of that name.
+    """
+    text = os.fspath(name_or_path)
+    if text.endswith(".toml") or "/" in text or os.sep in text:
+        return Path(text)
+    names = sorted(path.stem for path in SWEEP_FOLDER.glob("*.toml"))
+    if text in names:
+        return SWEEP_FOLDER / f"{text}.toml"
+    expected = "expected a name in sweeps/ or the path of a TOML file"
+    raise UpwashError(f"sweep: {expected}, found {printable(text)}; {did_you_mean(text, names)}")
+
+
+def read_sweep(name_or_path: str | os.PathLike[str]) -> Sweep:
+    """Read and check a sweep file as a whole, and make its jobs.
+
+    Raises
+    ------
+    UpwashError
+        If it cannot be read, or anything in it is unknown, of the wrong kind, impossible or contradictory.
+    """
+    path = find_sweep(name_or_path)
+    text, top = read_toml(path)
+    keys = top.table((*FILE_KEYS, *BLOCK_KEYS))
+    name = keys.get("name", top.at(path.stem, "name"))
+    if not NAME.fullmatch(name.text()):
+        remedy = "it names the results folder: set name = to a plain one"
+        raise name.unexpected("up to 80 letters, digits, dots, hyphens and underscores", remedy)
+    keys.get("description", top.at("")).text()
+    kind = keys.get("kind", top.at("pair")).one_of(KINDS)
+    solver = keys.get("solver", top.at(BUILT_IN_SOLVER))
+    if not SOLVER.fullmatch(solver.text()):
+        raise solver.unexpected("package.module:function")
+    reader = _BlockReader(path.parent, kind, solver.value)
+    tables = keys["block"].tables() if "block" in keys else [top.at({})]
+    jobs: dict[str, Job] = {}
+    for table in tables:
+        for job in reader.jobs(table, keys):
+            jobs.setdefault(job.job_id, job)
+    if not jobs or len(jobs) > MAX_JOBS:
+        raise top.error(
+            f"expected 1 to {MAX_JOBS} jobs, found {len(jobs)}; split the sweep or add a [[block]]"
+        )
+    return Sweep(name.value, text, list(jobs.values()))
+
+
+@dataclass(frozen=True)
+class _Varied:
+    """A parameter, where it stands, and its values."""
+
+    entry: Entry
+    settings: list[Setting]
+
+    @property
+    def name(self) -> str:
+        return str(self.entry.path[-1])
+
+
+class _BlockReader:
+    """Makes the jobs of one block after another; species are loaded once."""
+
+    def __init__(self, folder: Path, kind: str, solver: str) -> None:
+        self.folder = folder
+        self.kind = kind
+        self.solver = solver
+        self.loaded: dict[str, Species] = {}
+
+    def jobs(self, table: Entry, shared: dict[str, Entry]) -> list[Job]:
+        """Return a block's jobs; what it leaves out is taken from the top of the file."""
+        own = table.table(BLOCK_KEYS)
+        keys = {key: entry for key, entry in shared.items() if key in BLOCK_KEYS} | own
+        # A key of the block replaces the file's; only the fixed values add up.
+        fixed = {
+            one.name: one for place in (shared, own) for one in _varied(place.get("fixed"), only_one=True)
+        }
+        axes = [*map(_zip, _tables(keys.get("zip"))), *([one] for one in _varied(keys.get("grid")))]
+        sample = _sample(keys["sample"]) if "sample" in keys else None
+        _refuse_repeated([*fixed.values(), *(one for axis in axes for one in axis)], sample, keys)
+        block = Block(
+            kind=self.kind,
+            solver=self.solver,
+            species=self.species(table, keys),
+            choices=self.choices(table, keys),
+            fixed={name: one.settings[0] for name, one in fixed.items()},
+            axes=[_points(axis) for axis in axes],
+            sample=sample,
+            exclusions=[self.exclusion(entry) for entry in _tables(keys.get("exclude"))],
+        )
+        if sample and sample.parameters:
+            _check_own_ranges(block, keys["sample"])
+        if block.size() > MAX_JOBS:
+            raise table.error(f"expected at most {MAX_JOBS} jobs, found {block.size()}; shorten the lists")
+        places = [*fixed.values(), *(one for axis in axes for one in axis)]
+        return _expand(block, table, keys, places)
+
+    def species(self, table: Entry, keys: dict[str, Entry]) -> list[Species]:
+        """Return the birds."""
+        if "species" not in keys:
+            raise table.error('expected species = "a-name", a list of names or "all", found none; add it')
+        if keys["species"].value == "all":
+            return load_library()
+        return [self.load(entry) for entry in keys["species"].each()]
+
+    def load(self, entry: Entry) -> Species:
+        """Load one species; a path is taken from the sweep file's own folder."""
+        name = entry.text()
+        if name not in self.loaded:
+            try:
+                self.loaded[name] = load_species(self.folder / name if name.endswith(".toml") else name)
+            except UpwashError as error:
+                raise entry.error(str(error)) from error
+        return self.loaded[name]
+
+    def choices(self, table: Entry, keys: dict[str, Entry]) -> dict[str, list[Any]]:
+        """Return the values of every input of a job that is not a parameter."""
+        given = {key: keys.get(key, table.at(default)).each() for key, default in DEFAULTS.items()}
+        choices: dict[str, list[Any]] = {
+            "objective": [entry.one_of(COST_FUNCTIONS) for entry in given["objective"]],
+            "amplitude": [entry.one_of(AMPLITUDE_CONVENTIONS) for entry in given["amplitude"]],
+            "seed": [entry.whole(0) for entry in given["seed"]],
+            "tolerance": [
+                entry.number("a number between 0 and 1", lambda value: 0.0 < value < 1.0)
+                for entry in given["tolerance"]
+            ],
+        }
+        if self.kind == "pair":
+            if "flock" in keys:
+                message = 'expected no such table in a sweep of pairs; write kind = "flock" at the top'
+                raise keys["flock"].error(message)
+            return choices
+        flock = keys["flock"].table(FLOCK_DEFAULTS) if "flock" in keys else {}
+        given = {key: flock.get(key, table.at(default)).each() for key, default in FLOCK_DEFAULTS.items()}
+        choices["birds"] = [entry.whole(2) for entry in given["birds"]]
+        choices["wavelengths"] = [entry.whole(1) for entry in given["wavelengths"]]
+        return choices | {
+            key: [one.one_of(names) for one in given[key]] for key, names in FLOCK_CHOICES.items()
+        }
+
+    def exclusion(self, entry: Entry) -> dict[str, Condition]:
+        """Return the conditions that a job must all meet to be left out."""
+        names = ("species", *DEFAULTS, *(FLOCK_DEFAULTS if self.kind == "flock" else ()), *PARAMETERS)
+        conditions = {name: _condition(name, below) for name, below in entry.table(names).items()}
+        if not conditions:
+            raise entry.error("expected at least one condition, found none; write parameter = value")
+        return conditions
+
+
+def _tables(entry: Entry | None) -> list[Entry]:
+    return entry.tables() if entry else []
+
+
+def _varied(entry: Entry | None, only_one: bool = False) -> list[_Varied]:
+    """Read a table of parameters and check each value on its own."""
+    return [
+        _Varied(below, _checked_settings(name, below, only_one))
+        for name, below in (entry.table(PARAMETERS) if entry else {}).items()
+    ]
+
+
+def _checked_settings(name: str, entry: Entry, only_one: bool) -> list[Setting]:
+    try:
+        values = settings(entry.value, only_one)
+    except ValueError as error:
+        raise entry.error(str(error)) from error
+    for setting in values:
+        if name in WHOLE and (setting.relative or not isinstance(setting.value, int) or setting.value < 2):
+            raise entry.unexpected("whole numbers of at least 2")
+        if not setting.value > 0:
+            raise entry.unexpected("positive numbers")
+    return values
+
+
+def _zip(entry: Entry) -> list[_Varied]:
+    """Read lists that are taken side by side."""
+    axis = _varied(entry)
+    if len({len(one.settings) for one in axis}) != 1:
+        found = ", ".join(f"{one.name} {len(one.settings)}" for one in axis) or "no list"
+        raise entry.error(f"expected lists of equal length, found {found}; even them out")
+    return axis
+
+
+def _points(axis: list[_Varied]) -> list[dict[str, Setting]]:
+    names = [one.name for one in axis]
+    rows = zip(*(one.settings for one in axis), strict=True)
+    return [dict(zip(names, row, strict=True)) for row in rows]
+
+
+def _sample(entry: Entry) -> Sample:
+    keys = entry.table(SAMPLE_KEYS)
+    for needed in ("method", "count"):
+        if needed not in keys:
+            raise entry.error(f"expected the key {needed}, found none; add it")
+    method, count = keys["method"].one_of(SAMPLERS), keys["count"].whole(1)
+    seed = keys["seed"].whole(0) if "seed" in keys else 0
+    if method != "latin-hypercube" and count & (count - 1):
+        nearest = 1 << count.bit_length()
+        raise keys["count"].unexpected(f"a power of two for {method}", f"take {nearest // 2} or {nearest}")
+    if ("ranges" in keys) == ("within" in keys):
+        raise entry.error('expected either within = "species" or [sample.ranges]; write one of them')
+    if "within" in keys:
+        keys["within"].one_of(["species"])
+        named = keys["parameters"].each() if "parameters" in keys else []
+        return Sample(method, count, seed, None, tuple(one.one_of(PARAMETERS) for one in named))
+    if "parameters" in keys:
+        raise keys["parameters"].error("expected no such key beside ranges, which name them; delete it")
+    ranges = {}
+    for name, below in keys["ranges"].table([name for name in PARAMETERS if name not in WHOLE]).items():
+        try:
+            ranges[name] = sampling_range(below.value)
+        except ValueError as error:
+            raise below.error(str(error)) from error
+    if not ranges:
+        raise keys["ranges"].error("expected at least one range, found none; write parameter = [low, high]")
+    return Sample(method, count, seed, ranges)
+
+
+def _check_own_ranges(block: Block, entry: Entry) -> None:
+    """Complain about a parameter that a species has no range for."""
+    assert block.sample is not None
+    for species in block.species:
+        for convention in block.choices["amplitude"]:
+            known = species.ranges(convention)
+            for name in block.sample.parameters:
+                if name not in known:
+                    expected = f"parameters with a range of {species.slug}'s own under {convention!r}"
+                    below = entry.at(name, "parameters")
+                    raise below.unexpected(expected, did_you_mean(name, known))
+
+
+def _refuse_repeated(varied: list[_Varied], sample: Sample | None, keys: dict[str, Entry]) -> None:
+    """Complain about a parameter that is set in two places of one block."""
+    sampled = (sample.ranges or sample.parameters) if sample else ()
+    seen = dict.fromkeys(sampled, "sample")
+    for one in varied:
+        if one.name in seen:
+            raise one.entry.error(
+                f"expected each parameter once, found it in {seen[one.name]} too; delete one"
+            )
+        seen[one.name] = str(one.entry.path[-2])
+
+
+def _condition(name: str, entry: Entry) -> Condition:
+    value, is_text = entry.value, name in TEXT_INPUTS
+    if isinstance(value, dict) and not is_text:
+        bounds: dict[str, Any] = {
+            key: below.number("a number", is_number) for key, below in entry.table(("above", "below")).items()
+        }
+        if bounds:
+            return Condition(**bounds)
+    elif all(isinstance(one.value, str) if is_text else is_number(one.value) for one in entry.each()):
+        return Condition(values=tuple(one.value for one in entry.each()))
+    numbers = "a number, a list of them or { above = a, below = b }"
+    raise entry.unexpected("a name or a list of names" if is_text else numbers)
+
+
+def _expand(block: Block, table: Entry, keys: dict[str, Entry], places: list[_Varied]) -> list[Job]:
+    """Make a block's jobs; a value that makes no bird is blamed on its line."""
+    kept, used = [], set()
+    try:
+        for job, exclusion in block.jobs():
+            used.add(exclusion)
+            if exclusion is None:
+                kept.append(job)
+    except UpwashError as error:
+        named = [one.entry for one in places if f" {one.name}:" in str(error)]
+        where = named[0] if named else keys["sample"] if block.sample else table
+        raise where.error(str(error)) from error
+    for number, entry in enumerate(_tables(keys.get("exclude"))):
+        if number not in used:
+            raise entry.error("expected to exclude some job, found none that fits; correct or delete it")
+    if not kept:
+        raise keys["exclude"].error("expected to leave some job, found all excluded; loosen the conditions")
+    return kept
