@@ -1,7 +1,7 @@
 # Upwash. `make` alone lists what there is to do. Needs only make and a Python 3.11 or newer.
 
 .DEFAULT_GOAL := help
-.PHONY: help install test reproduce reference check bench docs clean lock
+.PHONY: help install test portable reproduce reference check bench docs clean lock
 .DELETE_ON_ERROR:
 
 # The first of these that is a Python 3.11 or newer and can make virtual environments; `make PYTHON=… test` overrides.
@@ -11,14 +11,18 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.14 python3.13 python3.12 py
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+PYTEST := $(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
 help:  ## list these targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 install: $(VENV)/installed-dev  ## make .venv with everything a developer needs
 
-test: $(VENV)/installed-dev  ## run all tests
-	$(BIN)/python -m pytest
+test: $(VENV)/installed-dev  ## run all tests, in two processes
+	$(PYTEST)
+
+portable: $(VENV)/installed-dev  ## run all tests with kernels compiled for any processor instead of this one
+	NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES= $(PYTEST)
 
 reproduce: $(VENV)/installed  ## redo the paper: solve, check, print its table beside ours, write a page about it
 	$(BIN)/upwash reproduce
