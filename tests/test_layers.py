@@ -23,7 +23,17 @@ MAY_IMPORT = {
 # batch meets the physics in one module, the one that runs a job.
 MAY_ALSO_IMPORT = {"batch/job.py": {"aero", "optimum", "species"}}
 
-AERO_MAY_IMPORT = {"__future__", "collections", "dataclasses", "math", "numba", "numbers", "numpy", "typing"}
+AERO_MAY_IMPORT = {
+    "__future__",
+    "collections",
+    "dataclasses",
+    "functools",
+    "math",
+    "numba",
+    "numbers",
+    "numpy",
+    "typing",
+}
 NAMES_THAT_SAY_NOTHING = {"common", "core", "helpers", "misc", "shared", "utils"}
 
 

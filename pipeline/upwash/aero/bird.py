@@ -8,11 +8,13 @@ from the thrust that then results; both are properties of the bird, not inputs.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from numbers import Real
+from dataclasses import dataclass, field
 
-_POSITIVE = "a positive, finite number"
-_RATIO = "a ratio strictly between 0 and 1"
+from upwash.aero.checked import check_fields, must_be, positive, ratio, within
+
+# A bird is far from these ends; beyond them products of inputs lose digits, and then overflow or vanish.
+_SOME = must_be(positive & within(1e-9, 1e9, "beyond, a computer's numbers give out: look at the unit"))
+_SHARE = must_be(ratio & within(1e-9, 1.0, "less is no span"))
 
 
 @dataclass(frozen=True)
@@ -46,25 +48,18 @@ class Bird:
         If a value is not of the kind named above; the message names the field, what was expected and what was found.
     """
 
-    mass_kg: float
-    semispan_m: float
-    speed_m_s: float
-    period_s: float
-    density_kg_m3: float
-    gravity_m_s2: float
-    amplitude_m: float
-    upstroke_span_ratio: float
-    circulation_ratio: float = 1.0
+    mass_kg: float = field(metadata=_SOME)
+    semispan_m: float = field(metadata=_SOME)
+    speed_m_s: float = field(metadata=_SOME)
+    period_s: float = field(metadata=_SOME)
+    density_kg_m3: float = field(metadata=_SOME)
+    gravity_m_s2: float = field(metadata=_SOME)
+    amplitude_m: float = field(metadata=_SOME)
+    upstroke_span_ratio: float = field(metadata=_SHARE)
+    circulation_ratio: float = field(default=1.0, metadata=_SOME)
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            is_ratio = field.name == "upstroke_span_ratio"
-            expected = _RATIO if is_ratio else _POSITIVE
-            number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
-            if not (math.isfinite(number) and 0.0 < number and (number < 1.0 or not is_ratio)):
-                raise ValueError(f"{field.name}: expected {expected}, found {value!r}")
-            object.__setattr__(self, field.name, number)
+        check_fields(self)
         if self.amplitude_m > 2.0 * self.semispan_m:
             raise ValueError(
                 f"amplitude_m: expected at most twice the semispan ({2.0 * self.semispan_m:g} m, a half-angle of 90°), "

@@ -11,17 +11,23 @@ Frame: origin at the leader's reference point, x downstream, y to the right, z u
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from numbers import Integral, Real
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+
+from upwash.aero.checked import check_fields, must_be, positive, whole_from, within
 
 ROLL_UP = math.pi / 4.0
 """Half-distance of the rolled-up tip vortices over the wing's half-span (Hummel 1983)."""
 
 CORE_RADIUS_RATIO = 0.171
 """Radius of a vortex core over the semispan (Young 2003)."""
+
+_CORE = positive & within(
+    1e-3, 1.0, "in semispans: a core is thicker than a line and thinner than a wing is long"
+)
+_FINENESS = whole_from(2, 10_000, "the wake's force has long converged, and more only takes time")
 
 
 @dataclass(frozen=True)
@@ -45,22 +51,12 @@ class WakeModel:
         If a value is out of range; the message names it.
     """
 
-    core_radius_ratio: float = CORE_RADIUS_RATIO
-    stroke_states: int = 2
-    span_nodes: int = 2
+    core_radius_ratio: float = field(default=CORE_RADIUS_RATIO, metadata=must_be(_CORE))
+    stroke_states: int = field(default=2, metadata=must_be(_FINENESS))
+    span_nodes: int = field(default=2, metadata=must_be(_FINENESS))
 
     def __post_init__(self) -> None:
-        ratio = self.core_radius_ratio
-        if (
-            isinstance(ratio, bool)
-            or not isinstance(ratio, Real)
-            or not (math.isfinite(ratio) and ratio > 0.0)
-        ):
-            raise ValueError(f"core_radius_ratio: expected a positive number, found {ratio!r}")
-        for name in ("stroke_states", "span_nodes"):
-            count = getattr(self, name)
-            if isinstance(count, bool) or not isinstance(count, Integral) or count < 2:
-                raise ValueError(f"{name}: expected a whole number of at least 2, found {count!r}")
+        check_fields(self)
 
 
 @dataclass(frozen=True)
