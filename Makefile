@@ -1,7 +1,7 @@
 # Upwash. `make` alone lists what there is to do. Needs only make and a Python 3.11 or newer.
 
 .DEFAULT_GOAL := help
-.PHONY: help install test portable reproduce reference check bench docs clean lock
+.PHONY: help install test portable reproduce reference check bench mutants docs clean lock
 .DELETE_ON_ERROR:
 
 # The first of these that is a Python 3.11 or newer and can make virtual environments; `make PYTHON=… test` overrides.
@@ -38,6 +38,9 @@ check: $(VENV)/installed-dev  ## lint and type-check
 
 bench: $(VENV)/installed-bench  ## measure what is fast, and against what
 	$(BIN)/python -m benchmarks
+
+mutants: $(VENV)/installed-bench  ## put a hundred faults into the code, one at a time, and count those that tests notice (hours)
+	$(BIN)/python tools/mutants.py
 
 docs: $(VENV)/installed-dev  ## build the documentation into site/, warnings being errors
 	$(BIN)/mkdocs build --strict

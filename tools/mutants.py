@@ -1,0 +1,214 @@
+"""Put faults into the code, one at a time, and see which of them the tests notice: ``make mutants``.
+
+A seeded sample of one-line faults is drawn evenly over the rooms of the package: an operator exchanged, a comparison
+shifted or turned round, a number changed by one, a condition negated, a loop left early.  Each is put into a copy of
+the tree, and the tests that are meant for its room are run there until one fails.  What is done is written down at
+once, so that an interrupted run goes on where it stopped; a commit, a seed or a count of its own begins anew.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from queue import SimpleQueue
+from typing import Any
+
+import click
+import cosmic_ray.plugins
+from cosmic_ray.ast import ast_nodes, get_ast
+from cosmic_ray.mutating import mutate_code
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = Path("pipeline", "upwash")
+KEPT = ROOT / ".mutants"
+
+# Room of the package -> the tests that are meant for it.
+TESTS = {
+    "aero": ["tests/aero"],
+    "optimum": ["tests/optimum"],
+    "species": [
+        "tests/test_species_file.py",
+        "tests/test_species_library.py",
+        "tests/test_species_command.py",
+    ],
+    "sweep": ["tests/test_sweep.py", "tests/test_sweep_mistakes.py", "tests/test_sweep_identity.py"],
+    "batch": ["tests/batch"],
+    "study": ["tests/study"],
+    "cli": ["tests/test_cli_contract.py", "tests/test_bad_input.py", "tests/test_optimum_command.py"],
+}
+TEST_TIMEOUT_S = 1200
+
+# Faults that people make; no shifts of bits, and no decorator left out.
+ARITHMETIC = [("Add", "Sub"), ("Sub", "Add"), ("Mul", "Div"), ("Div", "Mul"), ("Pow", "Mul"), ("Mod", "Mul")]
+COMPARISONS = [("Lt", "LtE"), ("LtE", "Lt"), ("Gt", "GtE"), ("GtE", "Gt"), ("Eq", "NotEq"), ("NotEq", "Eq")]
+COMPARISONS += [("Lt", "Gt"), ("Gt", "Lt"), ("Is", "IsNot"), ("IsNot", "Is"), ("LtE", "GtE"), ("GtE", "LtE")]
+FAULTS = [
+    *(f"core/ReplaceBinaryOperator_{one}_{other}" for one, other in ARITHMETIC),
+    *(f"core/ReplaceComparisonOperator_{one}_{other}" for one, other in COMPARISONS),
+    *("core/ReplaceUnaryOperator_Delete_Not", "core/ReplaceUnaryOperator_USub_UAdd", "core/AddNot"),
+    *(
+        "core/ReplaceAndWithOr",
+        "core/ReplaceOrWithAnd",
+        "core/ReplaceTrueWithFalse",
+        "core/ReplaceFalseWithTrue",
+    ),
+    *("core/ReplaceBreakWithContinue", "core/ReplaceContinueWithBreak", "core/NumberReplacer"),
+]
+
+Fault = dict[str, Any]
+
+
+def faults_in(path: Path) -> list[Fault]:
+    """Return the faults that might be put into a module."""
+    nodes = list(ast_nodes(get_ast(path.read_text(encoding="utf-8"))))
+    found = []
+    for name in FAULTS:
+        operator = cosmic_ray.plugins.get_operator(name)()
+        positions = [start for node in nodes for start, _ in operator.mutation_positions(node)]
+        for occurrence, (line, _) in enumerate(positions):
+            found.append(
+                {"module": str(path.relative_to(ROOT)), "line": line, "fault": name, "occurrence": occurrence}
+            )
+    return found
+
+
+def is_fault(fault: Fault) -> bool:
+    """Whether a fault changes what its module does, and not annotations alone."""
+    source = (ROOT / fault["module"]).read_text(encoding="utf-8")
+    return meaning_of(mutated_code(fault, source)) not in ("", meaning_of(source))
+
+
+def meaning_of(source: str) -> str:
+    """Return what a source does, without annotations; "" if it is no Python."""
+    try:
+        tree = ast.parse(source)
+    except SyntaxError:
+        return ""
+    for node in ast.walk(tree):
+        for name in ("annotation", "returns"):
+            if hasattr(node, name):
+                setattr(node, name, ast.Constant(None))
+    return ast.dump(tree)
+
+
+def draw(count: int, seed: int) -> list[Fault]:
+    """Draw faults evenly over the rooms and, within a room, over its lines."""
+    chosen = []
+    for number, room in enumerate(TESTS):
+        generator = random.Random(f"{seed} {room}")
+        paths = sorted((ROOT / PACKAGE / room).rglob("*.py"))
+        lines = [(path, line) for path in paths for line in range(1, len(path.read_text().splitlines()) + 1)]
+        generator.shuffle(lines)
+        wanted = count // len(TESTS) + (number < count % len(TESTS))
+        by_path: dict[Path, list[Fault]] = {}
+        for path, line in lines:
+            if wanted == 0:
+                break
+            if path not in by_path:
+                by_path[path] = list(faults_in(path))
+            here = [fault for fault in by_path[path] if fault["line"] == line and is_fault(fault)]
+            if here:
+                chosen.append(generator.choice(here) | {"room": room})
+                wanted -= 1
+    return chosen
+
+
+def copy_tree(folder: Path) -> None:
+    """Make a copy of what git tracks, as it stands in the work tree."""
+    tracked = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
+    shutil.rmtree(folder, ignore_errors=True)
+    for name in filter(None, tracked.stdout.split("\0")):
+        if (ROOT / name).is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, folder / name)
+
+
+def is_noticed(fault: Fault, folder: Path) -> bool:
+    """Put a fault into a copy of the tree, run the tests of its room there, and take it out again."""
+    module = folder / fault["module"]
+    source = module.read_text(encoding="utf-8")
+    module.write_text(mutated_code(fault, source), encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": str(folder / "pipeline"), "PYTHONDONTWRITEBYTECODE": "1"}
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *TESTS[fault["room"]]]
+    try:
+        done = subprocess.run(
+            command, cwd=folder, env=environment, capture_output=True, timeout=TEST_TIMEOUT_S, check=False
+        )
+        return done.returncode != 0
+    except subprocess.TimeoutExpired:
+        return True
+    finally:
+        module.write_text(source, encoding="utf-8")
+
+
+def mutated_code(fault: Fault, source: str) -> str:
+    """Return a module's source with a fault in it."""
+    operator = cosmic_ray.plugins.get_operator(fault["fault"])()
+    code: str = mutate_code(source, operator, fault["occurrence"])
+    return code
+
+
+def difference(fault: Fault) -> str:
+    """Show the line that a fault changes, before and after."""
+    source = (ROOT / fault["module"]).read_text(encoding="utf-8")
+    lines = difflib.unified_diff(
+        source.splitlines(), mutated_code(fault, source).splitlines(), lineterm="", n=0
+    )
+    return "\n".join(f"    {line}" for line in list(lines)[3:])
+
+
+@click.command()
+@click.option("--count", default=100, show_default=True, help="Faults to put in.")
+@click.option("--seed", default=0, show_default=True, help="Seed of the sample.")
+@click.option("--workers", default=2, show_default=True, help="Faults tried at the same time.")
+def main(count: int, seed: int, workers: int) -> None:
+    """Put a sample of faults into the code and print how many the tests notice, by room, and the survivors."""
+    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    record = KEPT / f"{commit.stdout.strip()}-{seed}-{count}.jsonl"
+    record.parent.mkdir(exist_ok=True)
+    lines = record.read_text(encoding="utf-8").splitlines() if record.exists() else []
+    done = {key_of(fault): fault for fault in map(json.loads, lines)}
+    sample = draw(count, seed)
+    folders: SimpleQueue[Path] = SimpleQueue()
+    for number in range(workers):
+        copy_tree(KEPT / f"tree-{number}")
+        folders.put(KEPT / f"tree-{number}")
+
+    def attempt(fault: Fault) -> Fault:
+        folder = folders.get()
+        try:
+            return fault | {"noticed": is_noticed(fault, folder)}
+        finally:
+            folders.put(folder)
+
+    with ThreadPoolExecutor(workers) as pool, record.open("a", encoding="utf-8") as file:
+        for fault in pool.map(attempt, [fault for fault in sample if key_of(fault) not in done]):
+            done[key_of(fault)] = fault
+            print(json.dumps(fault), file=file, flush=True)
+            word = "noticed" if fault["noticed"] else "NOT NOTICED"
+            click.echo(f"{len(done)}/{len(sample)} {fault['module']}:{fault['line']} {word}", err=True)
+    results = [done[key_of(fault)] for fault in sample]
+    for room in TESTS:
+        of_room = [fault for fault in results if fault["room"] == room]
+        click.echo(f"{room:10} {sum(fault['noticed'] for fault in of_room):3} of {len(of_room):3} noticed")
+    click.echo(f"{'all':10} {sum(fault['noticed'] for fault in results):3} of {len(results):3} noticed")
+    for fault in results:
+        if not fault["noticed"]:
+            click.echo(f"\n{fault['module']}:{fault['line']}\n{difference(fault)}")
+
+
+def key_of(fault: Fault) -> tuple[str, str, int]:
+    """Return what tells one fault from another."""
+    return fault["module"], fault["fault"], fault["occurrence"]
+
+
+if __name__ == "__main__":
+    main()
