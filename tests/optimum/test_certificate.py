@@ -188,7 +188,7 @@ def excess_of_dual_bound(code, enclosing, problem, seed, boxes):
         low, high = random_box(problem, rng, (1.0, 0.3, 0.1, 0.03)[k % 4])
         forms = forms_of(enclosing, problem, low, high)
         relaxation = np.empty((3, 8))
-        product = code.relax(low, high, forms, problem.constants, PHASE_END, relaxation)
+        product = code.relax(low, high, 0.5 * (high - low), forms, problem.constants, PHASE_END, relaxation)
         for _ in range(3):
             nu = rng.normal(0.0, 2.0, 2)
             bound = code.dual_bound(relaxation, product, 0.5 * (high - low), nu[0], nu[1])
@@ -361,9 +361,16 @@ CERTIFY_MUTANTS = {
         "product = 0.0 * abs(constants[THRUST_RATIO])",
     ),
     "rim cut too deep": ("kept = slack / abs(slope)", "kept = 0.7 * slack / abs(slope)"),
-    "threshold undercut": ("if bound > threshold + MARGIN:", "if bound > 0.97 * threshold:"),
-    "own cost overstated": ("amplitude = max(low[2] - high[3], limits[2])", "amplitude = high[2] - low[3]"),
+    "threshold undercut": ("if bound > threshold:", "if bound > 0.97 * threshold:"),
+    "own cost overstated": (
+        "amplitude = max(low[2] - high[3], limits[2] - MARGIN)",
+        "amplitude = high[2] - low[3]",
+    ),
     "tips coupled too tightly": ("low[3] + h_low, 2.0 * z_low", "low[3] + h_high, 2.0 * z_low"),
+    "a combination of the balances taken to be nowhere zero": (
+        "if abs(rate) > slope - rate:",
+        "if abs(rate) > 0.8 * (slope - rate):",
+    ),
 }
 
 

@@ -10,8 +10,9 @@ parent's is taken and improved by exact line searches on the dual of the affine 
 round, tells how much of a box's rim can be cut off.  Boxes that stay open are searched for better solutions, and what
 is left when the budget is spent is reported as open, with the bound reached.
 
-All bounds are ordinary floating point; a box is cleared only with a margin far above rounding.  The claim is
-"certified up to rounding, with margin 1e-9".
+Every way of clearing a box keeps one margin, `MARGIN`: cleared is what holds no point that keeps the bounds and both
+balances to within the margin and costs as little as the threshold less the margin.  The sums are ordinary floating
+point; what their rounding may add is part of the radii, see `relax`.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from upwash.optimum.enclosure import (
     BY_Y,
     BY_Z,
     RADIUS,
+    ROUNDING,
     VALUE,
     enclose_wake_force,
 )
@@ -47,13 +49,14 @@ from upwash.optimum.search import Basin
 Descend = Callable[[NDArray[np.float64]], list[Basin]]
 """Starts -> the solutions that local solves from them reach, best first."""
 
-MARGIN = 1e-9
-"""A box is cleared only if its bound exceeds the threshold by this much (costs are near 1)."""
+MARGIN = 1e-10
+"""How much a point may miss a bound (in semispans) and a balance (in weights) and still keep its box from being
+cleared, and by how much its cost must exceed the threshold (in costs of the lone leader)."""
 
 MOST_BOXES = 2_000_000
 """Default budget of boxes."""
 
-TINY = 1e-5
+TINY = 1e-9
 """Half-width, in units of `WIDTHS`, below which a box is not split further but left open."""
 
 WIDTHS = np.array([0.3, 0.3, 0.3, 0.3, 0.1, 0.25])
@@ -101,21 +104,24 @@ class Certificate:
 def _couple(low, high, limits):
     """Shrink z_up and z_down to the ranges of mean height and amplitude; return whether anything is left."""
     z_low, z_high, h_low, h_high = limits[0], limits[1], limits[2], limits[3]
-    low[2] = max(low[2], max(low[3] + h_low, 2.0 * z_low - high[3]))
-    high[2] = min(high[2], min(high[3] + h_high, 2.0 * z_high - low[3]))
-    low[3] = max(low[3], max(low[2] - h_high, 2.0 * z_low - high[2]))
-    high[3] = min(high[3], min(high[2] - h_low, 2.0 * z_high - low[2]))
+    low[2] = max(low[2], max(low[3] + h_low, 2.0 * z_low - high[3]) - MARGIN)
+    high[2] = min(high[2], min(high[3] + h_high, 2.0 * z_high - low[3]) + MARGIN)
+    low[3] = max(low[3], max(low[2] - h_high, 2.0 * z_low - high[2]) - MARGIN)
+    high[3] = min(high[3], min(high[2] - h_low, 2.0 * z_high - low[2]) + MARGIN)
     return low[2] <= high[2] and low[3] <= high[3]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def relax(low, high, forms, constants, phase_end, relaxation):
+def relax(low, high, widths, forms, constants, phase_end, relaxation):
     """Reduce a box to an affine relaxation: cost and two residuals as forms in the six offsets.
+
+    The radii hold the margin to which a point may miss a balance, and what rounding may take from a sum of the three
+    forms with any multipliers; the cost is lowered by both.
 
     Parameters
     ----------
-    low, high : (6,) ndarray of float
-        The box.
+    low, high, widths : (6,) ndarray of float
+        The box, and its half-widths, rounded up.
     forms : (2, 2, 2, 6) ndarray of float
         Wake forces with tips up and tips down over the box, from `enclose_wake_force`.
     constants : (10,) ndarray of float
@@ -133,10 +139,10 @@ def relax(low, high, forms, constants, phase_end, relaxation):
         Radius of that product.
     """
     centre_ratio = 0.5 * (low[4] + high[4])
-    w_up, w_down, w_ratio = 0.5 * (high[2] - low[2]), 0.5 * (high[3] - low[3]), 0.5 * (high[4] - low[4])
+    w_x, w_y, w_up, w_down, w_ratio = widths[0], widths[1], widths[2], widths[3], widths[4]
     amplitude = 0.5 * (low[2] + high[2]) - 0.5 * (low[3] + high[3])
     share = 0.5 * (low[5] + high[5]) / phase_end
-    w_share = 0.5 * (high[5] - low[5]) / phase_end
+    w_share = widths[5] / phase_end
     lift = constants[LIFT_FIXED] + constants[LIFT_RATIO] * centre_ratio
     span = constants[THRUST_FIXED] + constants[THRUST_RATIO] * centre_ratio
     thrust = amplitude * span
@@ -153,7 +159,6 @@ def relax(low, high, forms, constants, phase_end, relaxation):
     relaxation[1, 5] = constants[LIFT_RATIO]
     relaxation[2, 0] = thrust - constants[DRAG]
     relaxation[2, 3], relaxation[2, 4], relaxation[2, 5] = span, -span, by_ratio
-    w_x, w_y = 0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])
     for part in range(2):
         w_z = w_up if part == 0 else w_down
         for c in range(2):
@@ -174,6 +179,14 @@ def relax(low, high, forms, constants, phase_end, relaxation):
                 + abs(dr) * w_ratio
                 + abs(end[RADIUS] - start[RADIUS])
             )
+    for row in range(3):
+        size = 2.0 + product + abs(relaxation[row, 0])
+        for i in range(6):
+            size += abs(relaxation[row, 1 + i]) * widths[i]
+        if row == 0:
+            relaxation[0, 0] -= MARGIN + ROUNDING * (size + by_thrust * product)
+        else:
+            relaxation[row, 7] += MARGIN + ROUNDING * (size + relaxation[row, 7])
     return product
 
 
@@ -206,7 +219,10 @@ def dual_bound(relaxation, product, widths, nu_lift, nu_thrust):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _climb(relaxation, product, widths, nu, d_lift, d_thrust, work):
-    """Move the multipliers to the maximum of the dual along a direction; return it (infinite: no feasible point)."""
+    """Move the multipliers to the maximum of the dual along a direction; return whether it has one.
+
+    It has none where this combination of the residuals is nowhere zero in the box.
+    """
     origins, rates, breaks, drops = work[0], work[1], work[2], work[3]
     for i in range(6):
         origins[i] = (
@@ -216,7 +232,6 @@ def _climb(relaxation, product, widths, nu, d_lift, d_thrust, work):
     origins[6], rates[6] = nu[0] * relaxation[1, 7], d_lift * relaxation[1, 7]
     origins[7], rates[7] = nu[1] * relaxation[2, 7], d_thrust * relaxation[2, 7]
     origins[8], rates[8] = (nu[1] + relaxation[0, 7]) * product, d_thrust * product
-    base = relaxation[0, 0] + nu[0] * relaxation[1, 0] + nu[1] * relaxation[2, 0]
     rate = d_lift * relaxation[1, 0] + d_thrust * relaxation[2, 0]
     # The dual is concave and piecewise linear along the direction: walk its breakpoints until the slope turns.
     slope, count = rate, 0
@@ -231,28 +246,22 @@ def _climb(relaxation, product, widths, nu, d_lift, d_thrust, work):
             k -= 1
         breaks[k], drops[k] = step, 2.0 * abs(rates[i])
         count += 1
-    noise = 1e-9 * abs(slope) + 1e-14
-    if slope <= noise:
-        return np.inf if slope < -noise else base - np.sum(np.abs(origins))
+    if abs(rate) > slope - rate:
+        return False
     chosen = 0.0
     for k in range(count):
         slope -= drops[k]
+        chosen = breaks[k]
         if slope <= 0.0:
-            chosen = breaks[k]
             break
-    if slope > noise:
-        return np.inf
     nu[0] += chosen * d_lift
     nu[1] += chosen * d_thrust
-    value = base + rate * chosen
-    for i in range(9):
-        value -= abs(origins[i] + rates[i] * chosen)
-    return value
+    return True
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _ascend(relaxation, product, widths, nu, threshold, work):
-    """Improve the multipliers until the bound exceeds the threshold or no search direction helps."""
+    """Improve the multipliers until the bound exceeds the threshold or no search direction helps; return the bound."""
     best = dual_bound(relaxation, product, widths, nu[0], nu[1])
     for _ in range(ASCENT_ROUNDS):
         before = best
@@ -270,7 +279,9 @@ def _ascend(relaxation, product, widths, nu, threshold, work):
                     continue
             else:
                 d_lift, d_thrust = (1.0, 0.0) if direction == 1 else (0.0, 1.0)
-            best = max(best, _climb(relaxation, product, widths, nu, d_lift, d_thrust, work))
+            if not _climb(relaxation, product, widths, nu, d_lift, d_thrust, work):
+                return np.inf
+            best = max(best, dual_bound(relaxation, product, widths, nu[0], nu[1]))
         if best - before < 1e-3 * (threshold - best):
             break
     return best
@@ -289,7 +300,7 @@ def _contract(low, high, relaxation, product, widths, cost_weight, nu_lift, nu_t
         total -= abs(slope) * widths[i]
     total -= abs(nu_lift) * relaxation[1, 7] + abs(nu_thrust) * relaxation[2, 7]
     total -= abs(nu_thrust + cost_weight * relaxation[0, 7]) * product
-    slack = level + MARGIN - total
+    slack = level - total
     if slack < 0.0:
         return False
     for i in range(6):
@@ -299,7 +310,7 @@ def _contract(low, high, relaxation, product, widths, cost_weight, nu_lift, nu_t
             + nu_thrust * relaxation[2, 1 + i]
         )
         if abs(slope) * 2.0 * widths[i] > slack:
-            kept = slack / abs(slope)
+            kept = slack / abs(slope) + ROUNDING * (abs(low[i]) + abs(high[i]))
             if slope > 0.0:
                 high[i] = min(high[i], low[i] + kept)
             else:
@@ -344,18 +355,18 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
         if not _couple(low, high, limits):
             return CLEARED, np.inf
         # Own lift and thrust alone cost this much: decisive where a follower rests on the least amplitude and span.
-        amplitude = max(low[2] - high[3], limits[2])
+        amplitude = max(low[2] - high[3], limits[2] - MARGIN)
         own, _, _ = cost_of(
             constants[LIFT_FIXED] + constants[LIFT_RATIO] * low[4],
             amplitude * (constants[THRUST_FIXED] + constants[THRUST_RATIO] * high[4]),
             constants,
         )
-        bound = max(bound, own)
-        if bound > threshold + MARGIN:
+        bound = max(bound, own * (1.0 - ROUNDING) - MARGIN)
+        if bound > threshold:
             return CLEARED, bound
         before = 1.0
         for i in range(6):
-            widths[i] = 0.5 * (high[i] - low[i])
+            widths[i] = 0.5 * (high[i] - low[i]) + ROUNDING * (abs(low[i]) + abs(high[i]))
             before *= max(widths[i], 1e-12)
         for part in range(2):
             enclose_wake_force(
@@ -375,7 +386,7 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
                 constants[CORE2],
                 forms[part],
             )
-        product = relax(low, high, forms, constants, phase_end, relaxation)
+        product = relax(low, high, widths, forms, constants, phase_end, relaxation)
         if not (
             _contract(low, high, relaxation, product, widths, 0.0, 1.0, 0.0, 0.0)
             and _contract(low, high, relaxation, product, widths, 0.0, -1.0, 0.0, 0.0)
@@ -383,15 +394,13 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
             and _contract(low, high, relaxation, product, widths, 0.0, 0.0, -1.0, 0.0)
         ):
             return CLEARED, np.inf
-        bound = max(bound, _ascend(relaxation, product, widths, nu, threshold + MARGIN, work))
-        if bound > threshold + MARGIN:
+        bound = max(bound, _ascend(relaxation, product, widths, nu, threshold, work))
+        if bound > threshold:
             return CLEARED, bound
         if not _contract(low, high, relaxation, product, widths, 1.0, nu[0], nu[1], threshold):
             return CLEARED, bound
         after = 1.0
         for i in range(6):
-            if high[i] < low[i]:
-                return CLEARED, bound
             after *= max(0.5 * (high[i] - low[i]), 1e-12)
         if after > WORTH_REPEATING * before:
             return OPEN, bound
@@ -541,6 +550,8 @@ def certify(
     multipliers, floors = np.zeros((DEPTH, 2)), np.full(DEPTH, -np.inf)
     lows[0] = x[0], y[0], z[0] + 0.5 * h[0], z[0] - 0.5 * h[1], ratio[0], phase[0]
     highs[0] = x[1], y[1], z[1] + 0.5 * h[1], z[1] - 0.5 * h[0], ratio[1], phase[1]
+    lows[0, 2:4] -= MARGIN
+    highs[0, 2:4] += MARGIN
     limits, centre = np.array([*z, *h]), np.empty(6)
     # With no incumbent a box is cleared only where no balance is possible.
     best, threshold = incumbent, min(incumbent / (1.0 + tolerance), UNREACHABLE_COST)

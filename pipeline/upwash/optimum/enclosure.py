@@ -9,13 +9,18 @@ u the cosine between the filament and the line from one of its ends, a and c the
 position but the cosines.
 
 - u = p/n, with p along the filament and n the distance from its end, is expanded to first order; its second derivative
-  along any unit vector is at most 2/√3 / n² (the largest eigenvalue of its Hessian, over all angles).
+  along any unit vector is at most 2/√3 / n² (the largest eigenvalue of its Hessian, over all angles).  Where a box
+  holds or nearly holds the end that says nothing, and −1 ≤ u ≤ 1 is the bound.
 - Outside the core the plane vortex is the real or imaginary part of 1/ζ, whose remainder of first order is
   δ²/(ζ²(ζ + δ)); inside it is linear.  Across an edge it is the lesser of the two in magnitude, so a convex mix of both
   errs to one side only, and the mix with the least radius is taken.
 
 The forms hold for the two stroke states of the paper: with tips up the force depends on (x, y, z_up, R), with tips down
 on (x, y, z_down).
+
+What rounding may add is part of them: boxes are taken wider by `ROUNDING` of the coordinates, which covers where points
+and filaments lie, and radii by `ROUNDING` of the largest force that the lanes can exert, which covers what is computed
+from there.
 """
 
 from __future__ import annotations
@@ -24,7 +29,7 @@ import math
 
 from numba import njit
 
-from upwash.aero.induction import FAST
+from upwash.aero.induction import END_FLOOR, FAST
 from upwash.aero.lanes import (
     ALONG_X,
     ALONG_Z,
@@ -39,9 +44,11 @@ from upwash.aero.lanes import (
     STEADY,
 )
 
-# Least squared distance to a filament's end that enters a bound, over the squared core radius; nearer than this the
-# bound |u| ≤ 1 is the better one anyway.
-NEAREST = 1e-6
+ROUNDING = 64.0 * 2.0**-52
+"""Share of a quantity that rounding may take from it: no sum or product here is of more than sixty-four roundings."""
+
+DEEP = 1e-2
+"""Share of the squared core radius: a box that holds a point nearer to a filament is bounded by the inner branch."""
 
 HALF_CURVATURE = 1.0 / math.sqrt(3.0)
 """Half of the greatest second derivative of a cosine, times the squared distance."""
@@ -84,10 +91,10 @@ def _enclose_strength(
 @njit(cache=True, fastmath=FAST, error_model="numpy")
 def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
     """Enclose a / max(a² + c², core2): value, slopes by a and c, radius."""
-    least = NEAREST * core2
-    per_r = 1.0 / (r if r > least else least)
-    per_low = 1.0 / (r_low if r_low > least else least)
     per_core = 1.0 / core2
+    # Deep in the core the outer branch is steep and says nothing.
+    is_deep = r_low < DEEP * core2
+    per_r, per_low = 1.0 / (core2 if is_deep else r), 1.0 / (core2 if is_deep else r_low)
     outer_radius = (wa * wa + wc * wc) * per_r * math.sqrt(per_low)
     a_high = abs(a) + wa
     # By how much the outer branch exceeds the inner within the core, and the inner the outer without.
@@ -95,12 +102,14 @@ def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
     within, without = (within if within > 0.0 else 0.0), (without if without > 0.0 else 0.0)
     gap_share = 0.5 if abs(a) >= wa else 1.0
     balanced = without / (within + without + 1e-300)
-    mixed_radius = balanced * (outer_radius + gap_share * within)
+    mixed_radius = balanced * outer_radius + gap_share * balanced * within
     inner_only, outer_only = gap_share * without, outer_radius + gap_share * within
-    mix = balanced if mixed_radius < inner_only else 0.0
-    radius = mixed_radius if mixed_radius < inner_only else inner_only
-    mix = 1.0 if outer_only < radius else mix
-    radius = outer_only if outer_only < radius else radius
+    mixed_is_better = mixed_radius < inner_only and not is_deep
+    mix = balanced if mixed_is_better else 0.0
+    radius = mixed_radius if mixed_is_better else inner_only
+    outer_is_best = outer_only < radius and not is_deep
+    mix = 1.0 if outer_is_best else mix
+    radius = outer_only if outer_is_best else radius
     one_sided = mix * within if mix * within > (1.0 - mix) * without else (1.0 - mix) * without
     shift = 0.5 * one_sided if gap_share < 1.0 else 0.0
     shift = shift if a > 0.0 else -shift
@@ -143,7 +152,7 @@ def enclose_ring(
     """
     x0, x1, z0, z1 = x - first_x, x - last_x, z - first_z, z - last_z
     yl, yr = y + half_width, y - half_width
-    nearest2 = NEAREST * core2
+    floor = END_FLOOR * core2
     # Ranges of the coordinates: least and greatest magnitude.
     x0_low, x1_low = max(abs(x0) - wx, 0.0), max(abs(x1) - wx, 0.0)
     z0_low, z1_low = max(abs(z0) - wz, 0.0), max(abs(z1) - wz, 0.0)
@@ -155,10 +164,10 @@ def enclose_ring(
     q0_low, q1_low = x0_low * x0_low + z0_low * z0_low, x1_low * x1_low + z1_low * z1_low
     q0_high, q1_high = x0_high * x0_high + z0_high * z0_high, x1_high * x1_high + z1_high * z1_high
     yl2, yr2, yl2_low, yr2_low = yl * yl, yr * yr, yl_low * yl_low, yr_low * yr_low
-    i0l, i0r = 1.0 / math.sqrt(q0 + yl2 + nearest2), 1.0 / math.sqrt(q0 + yr2 + nearest2)
-    i1l, i1r = 1.0 / math.sqrt(q1 + yl2 + nearest2), 1.0 / math.sqrt(q1 + yr2 + nearest2)
-    m0l, m0r = 1.0 / math.sqrt(q0_low + yl2_low + nearest2), 1.0 / math.sqrt(q0_low + yr2_low + nearest2)
-    m1l, m1r = 1.0 / math.sqrt(q1_low + yl2_low + nearest2), 1.0 / math.sqrt(q1_low + yr2_low + nearest2)
+    i0l, i0r = 1.0 / math.sqrt(q0 + yl2 + floor), 1.0 / math.sqrt(q0 + yr2 + floor)
+    i1l, i1r = 1.0 / math.sqrt(q1 + yl2 + floor), 1.0 / math.sqrt(q1 + yr2 + floor)
+    m0l, m0r = 1.0 / math.sqrt(q0_low + yl2_low + floor), 1.0 / math.sqrt(q0_low + yr2_low + floor)
+    m1l, m1r = 1.0 / math.sqrt(q1_low + yl2_low + floor), 1.0 / math.sqrt(q1_low + yr2_low + floor)
     square = wx * wx + wy * wy + wz * wz
     # Spanwise filaments: v_x goes with z, v_z with −x, of the vortex in the vertical plane.
     s0, s0x, s0y, s0z, s0_radius, s0_range = _enclose_strength(
@@ -177,7 +186,7 @@ def enclose_ring(
     b1, b1x, b1y, b1z, b1r = _multiply(s1, s1x, s1y, s1z, s1_radius, s1_range, k, ka, 0.0, kc, kr, wx, wy, wz)
     # Tip filaments: both components go with the spanwise distance.
     d, p0, p1 = az * x0 - ax * z0, ax * x0 + az * z0, ax * x1 + az * z1
-    wd = abs(az) * wx + abs(ax) * wz
+    wd = abs(az) * wx + abs(ax) * wz + ROUNDING * (abs(az * x0) + abs(ax * z0))
     d_low, d_high = max(abs(d) - wd, 0.0), abs(d) + wd
     rl, rr = d * d + yl2, d * d + yr2
     sl, slx, sly, slz, sl_radius, sl_range = _enclose_strength(
@@ -246,6 +255,8 @@ def enclose_wake_force(
     centre_y, half_width, node = lanes[CENTRE_Y], lanes[HALF_WIDTH], lanes[NODE]
     along_x, along_z, steady, sliding = lanes[ALONG_X], lanes[ALONG_Z], lanes[STEADY], lanes[SLIDING]
     span, w_span = (ratio, w_ratio) if flexes else (1.0, 0.0)
+    wx, wy, wz = wx + ROUNDING * abs(x), wy + ROUNDING * (abs(y) + 1.0), wz + ROUNDING * abs(z)
+    strength = 0.0
     l0 = l0x = l0y = l0z = l0s = l0r = l1 = l1x = l1y = l1z = l1s = l1r = 0.0
     t0 = t0x = t0y = t0z = t0s = t0r = t1 = t1x = t1y = t1z = t1s = t1r = 0.0
     for i in range(first, last):
@@ -266,6 +277,7 @@ def enclose_wake_force(
             core2,
         )
         a, b = steady[i], steady[i] + sliding[i] * phase_end
+        strength += abs(steady[i]) + abs(sliding[i]) * phase_end
         l0 += a * vx
         l0x += a * vx_x
         l0y += a * vx_y
@@ -290,14 +302,16 @@ def enclose_wake_force(
         t1z += b * vz_z
         t1s += b * node[i] * vz_y
         t1r += abs(b) * vz_radius
-    _store_form(forms[0, 0], l0, l0x, l0y, l0z, l0s, l0r, span, wx, wy, wz, w_span)
-    _store_form(forms[1, 0], l1, l1x, l1y, l1z, l1s, l1r, span, wx, wy, wz, w_span)
-    _store_form(forms[0, 1], t0, t0x, t0y, t0z, t0s, t0r, span, wx, wy, wz, w_span)
-    _store_form(forms[1, 1], t1, t1x, t1y, t1z, t1s, t1r, span, wx, wy, wz, w_span)
+    # Four filaments, each of at most twice the greatest velocity of its core.
+    rounding = ROUNDING * (1.0 + (last - first) / 64.0) * strength * 8.0 / math.sqrt(core2)
+    _store_form(forms[0, 0], l0, l0x, l0y, l0z, l0s, l0r, span, wx, wy, wz, w_span, rounding)
+    _store_form(forms[1, 0], l1, l1x, l1y, l1z, l1s, l1r, span, wx, wy, wz, w_span, rounding)
+    _store_form(forms[0, 1], t0, t0x, t0y, t0z, t0s, t0r, span, wx, wy, wz, w_span, rounding)
+    _store_form(forms[1, 1], t1, t1x, t1y, t1z, t1s, t1r, span, wx, wy, wz, w_span, rounding)
 
 
 @njit(cache=True, fastmath=FAST, error_model="numpy")
-def _store_form(form, value, by_x, by_y, by_z, by_span, radius, span, wx, wy, wz, w_span):
+def _store_form(form, value, by_x, by_y, by_z, by_span, radius, span, wx, wy, wz, w_span, rounding):
     """Multiply the mean wind's form by the half-span and store it."""
     reach = abs(by_x) * wx + abs(by_y) * wy + abs(by_z) * wz + abs(by_span) * w_span + radius
     form[VALUE] = span * value
@@ -305,4 +319,4 @@ def _store_form(form, value, by_x, by_y, by_z, by_span, radius, span, wx, wy, wz
     form[BY_Y] = span * by_y
     form[BY_Z] = span * by_z
     form[BY_RATIO] = span * by_span + value if w_span > 0.0 else 0.0
-    form[RADIUS] = span * radius + w_span * reach
+    form[RADIUS] = (1.0 + ROUNDING) * (span * radius + w_span * reach) + rounding
