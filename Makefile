@@ -28,8 +28,8 @@ reproduce: $(VENV)/installed  ## redo the paper: solve, check, print its table b
 	$(BIN)/upwash reproduce
 
 reference: $(VENV)/installed  ## renew results/reference/ and what shows it in README and docs, when results are meant to change
-	$(BIN)/python tests/renew_reference.py
-	$(BIN)/python tests/renew_claims.py
+	$(BIN)/python tools/renew_reference.py
+	$(BIN)/python tools/renew_claims.py
 
 check: $(VENV)/installed-dev  ## lint and type-check
 	$(BIN)/ruff check .

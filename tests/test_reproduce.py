@@ -15,7 +15,8 @@ from renew_reference import BLOCK, COMMAND, README, REFERENCE, as_csv
 from upwash.batch.store import SOLUTIONS, SUMMARY, TableWriter, metadata_of, read_table
 from upwash.cli import main
 from upwash.cli import reproduce as module
-from upwash.report.claims.ledger import counts, tally
+from upwash.paper.ledger import tally
+from upwash.report.claims import counts
 from upwash.report.figures import FIGURES
 
 

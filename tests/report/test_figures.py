@@ -8,10 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from upwash.aero.interaction import net_force, state_forces
 from upwash.aero.wake import vortex_wake
 from upwash.errors import UpwashError
-from upwash.report import figures, sources
-from upwash.report.airspeed import best_speed
-from upwash.report.comparison import compare
-from upwash.report.field import plane_through
+from upwash.report import figures
 from upwash.report.figures import (
     configurations,
     flock_formation,
@@ -32,7 +29,11 @@ from upwash.report.figures import (
 from upwash.report.figures.catalogue import FIGURES, arguments, save_all
 from upwash.report.figures.drawing import tip_height
 from upwash.report.figures.flocks import papers_flocks, series
-from upwash.report.observations import read_observations
+from upwash.study import sources
+from upwash.study.airspeed import best_speed
+from upwash.study.comparison import compare
+from upwash.study.field import plane_through
+from upwash.study.observations import read_observations
 
 from report import studies
 

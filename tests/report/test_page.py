@@ -6,8 +6,8 @@ import re
 import pytest
 from renew_claims import kept
 from upwash.errors import UpwashError
+from upwash.paper.ledger import write_claims
 from upwash.report import figures
-from upwash.report.claims.ledger import write_claims
 from upwash.report.page import sort_key, subscripts, table_context, write_page
 from upwash.report.story import CHAPTERS
 from upwash.report.table import Table, true_minus

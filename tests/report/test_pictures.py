@@ -11,8 +11,8 @@ from upwash.aero.interaction import net_force
 from upwash.cli import main, pictures
 from upwash.report import animation
 from upwash.report.animation import Scene, half_span, own_phases, tip_track
-from upwash.report.field import field_table, plane_through
-from upwash.report.sources import best, bird_of
+from upwash.study.field import field_table, plane_through
+from upwash.study.sources import best, bird_of
 
 from report import studies
 

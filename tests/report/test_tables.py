@@ -6,8 +6,8 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1
 from upwash.report.answer import answer, job_record
-from upwash.report.paper import PRINTED_VARIOUSLY, TABLE_1
 from upwash.report.reproduction import reproduction, reproduction_record
 from upwash.report.table import Table, cell
 from upwash.report.tables import basins, best_optima, both_optima, printed_variously, proof, table_1

@@ -23,8 +23,9 @@ def claims(results: str, json_output: bool) -> None:
       upwash claims results/reproduce
     """
     from upwash.batch.folder import ResultsFolder
-    from upwash.report.claims import judge_claims, read_evidence
-    from upwash.report.claims.ledger import ledger_records, ledger_text, write_claims
+    from upwash.paper import judge_claims, read_evidence
+    from upwash.paper.ledger import ledger_records, write_claims
+    from upwash.report.claims import ledger_text
 
     ledger = judge_claims(read_evidence(results))
     if json_output:

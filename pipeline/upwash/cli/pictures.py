@@ -57,9 +57,9 @@ def field(plane: str, optimum: str, size: int, output: Path, json_output: bool, 
       upwash field northern-bald-ibis --plane xz --size 1000
     """
     from upwash.batch.store import cannot_write
-    from upwash.report.field import plane_through, ratios, write_field
     from upwash.report.figures.catalogue import save_all
     from upwash.report.figures.force_maps import draw_plane
+    from upwash.study.field import plane_through, ratios, write_field
 
     row = _optimum(optimum, chosen)
     found = plane_through(row, plane, size)

@@ -54,9 +54,10 @@ def reproduce(results: str, json_output: bool) -> None:
     from upwash.batch.compare import compare_folders
     from upwash.batch.folder import ResultsFolder
     from upwash.batch.store import GATHERED, SOLUTIONS, read_table
-    from upwash.report.claims import judge_claims, read_evidence
-    from upwash.report.claims.evidence import beside
-    from upwash.report.claims.ledger import counts, tally, write_claims
+    from upwash.paper import judge_claims, read_evidence
+    from upwash.paper.evidence import beside
+    from upwash.paper.ledger import tally, write_claims
+    from upwash.report.claims import counts
     from upwash.report.page import write_page
     from upwash.report.reproduction import reproduction, reproduction_record
 

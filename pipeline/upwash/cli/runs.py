@@ -174,7 +174,7 @@ def aggregate(results: str, as_json: bool) -> None:
     """
     from upwash.batch.aggregate import aggregate as gather
     from upwash.batch.folder import ResultsFolder
-    from upwash.report.studies import after_aggregate
+    from upwash.report.study_tables import after_aggregate
 
     gathered = gather(ResultsFolder(results), _say)
     if as_json:

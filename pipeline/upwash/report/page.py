@@ -20,11 +20,12 @@ import pandas as pd
 
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.store import write_atomic
-from upwash.report.claims.ledger import FILE, counts, ledger_shown
+from upwash.paper.ledger import FILE
+from upwash.report.claims import counts, ledger_shown
 from upwash.report.figures.catalogue import FIGURES, FOLDER, arguments, draw_figures
-from upwash.report.sources import Sources, Study, read_study, sort_studies
 from upwash.report.story import CHAPTERS, Chapter, short_answer
 from upwash.report.table import Table, true_minus
+from upwash.study.sources import Sources, Study, read_study, sort_studies
 
 PAGE = "index.html"
 TEMPLATES = files("upwash.report") / "templates"

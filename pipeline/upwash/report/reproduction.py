@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from upwash.report.paper import Row
+from upwash.paper.printed import Row
 from upwash.report.tables import (
     GLOBAL,
     V,

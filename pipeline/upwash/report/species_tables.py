@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 
-from upwash.report.mechanism import STATEMENTS
-from upwash.report.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
-from upwash.report.quantities import ALIKE, GROUPS
 from upwash.report.table import ABSENT, Table, cell
+from upwash.study.mechanism import STATEMENTS
+from upwash.study.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
+from upwash.study.quantities import ALIKE, GROUPS
 
 # Head of a column -> quantity, factor and format of its numbers.
 POSITION = {
@@ -60,7 +60,7 @@ def comparison_tables(compared: pd.DataFrame) -> list[Table]:
     Parameters
     ----------
     compared : DataFrame
-        As `upwash.report.comparison.compare` returns.
+        As `upwash.study.comparison.compare` returns.
     """
     tables = []
     for (objective, convention), group in compared.groupby(["objective", "amplitude_convention"], sort=False):
@@ -92,7 +92,7 @@ def overview_table(compared: pd.DataFrame) -> Table:
     Parameters
     ----------
     compared : DataFrame
-        As `upwash.report.comparison.compare` returns.
+        As `upwash.study.comparison.compare` returns.
     """
     problems = compared["objective"] + ", " + compared["amplitude_convention"]
     written = compared.assign(
@@ -110,7 +110,7 @@ def overview_table(compared: pd.DataFrame) -> Table:
 
 
 def intervals_table(ends: pd.DataFrame) -> Table:
-    """Return the intervals alone, from `upwash.report.intervals.intervals` with its index as columns."""
+    """Return the intervals alone, from `upwash.study.intervals.intervals` with its index as columns."""
     shown = {
         head: [
             f"{cell(factor * row[f'{name}_low'], spec)} to {cell(factor * row[f'{name}_high'], spec)}"
@@ -139,7 +139,7 @@ def groups_table(compared: pd.DataFrame) -> Table:
     Parameters
     ----------
     compared : DataFrame
-        As `upwash.report.comparison.compare` returns.
+        As `upwash.study.comparison.compare` returns.
     """
     keys = ["species", "amplitude_convention"]
     by_force = compared[compared["objective"] == "force"].sort_values(
@@ -159,7 +159,7 @@ def objectives_tables(changes: pd.DataFrame) -> list[Table]:
     Parameters
     ----------
     changes : DataFrame
-        As `upwash.report.comparison.compare_objectives` returns.
+        As `upwash.study.comparison.compare_objectives` returns.
     """
     tables = []
     for convention, group in changes.groupby("amplitude_convention", sort=False):
@@ -175,13 +175,13 @@ def objectives_tables(changes: pd.DataFrame) -> list[Table]:
 
 
 def counts_table(counts: pd.DataFrame) -> Table:
-    """Return of how many species each statement holds, from `upwash.report.mechanism.count_species`."""
+    """Return of how many species each statement holds, from `upwash.study.mechanism.count_species`."""
     heads = {"amplitude_convention": "amplitude", "without_v": "without V"}
     return Table("Of how many species each statement holds", counts.replace("", ABSENT).rename(columns=heads))
 
 
 def answers_table(answers: pd.DataFrame) -> Table:
-    """Return whether each statement holds, species by species, from `upwash.report.mechanism.mechanism`."""
+    """Return whether each statement holds, species by species, from `upwash.study.mechanism.mechanism`."""
     frame = answers[["species", "objective", "amplitude_convention"]].copy()
     for name in STATEMENTS:
         frame[name] = [_answer(row[name], row[f"{name}_share"]) for _, row in answers.iterrows()]
@@ -201,7 +201,7 @@ def observations_tables(observed: pd.DataFrame) -> list[Table]:
     Parameters
     ----------
     observed : DataFrame
-        As `upwash.report.observations.compare_with_observations` returns.
+        As `upwash.study.observations.compare_with_observations` returns.
     """
     compared = observed[observed["verdict"] != NOT_COMPARED]
     # What the paper got from this very model is no observation.
@@ -262,7 +262,7 @@ def sensitivity_tables(indices: pd.DataFrame) -> list[Table]:
     Parameters
     ----------
     indices : DataFrame
-        As `upwash.report.sensitivity.sensitivity` returns.
+        As `upwash.study.sensitivity.sensitivity` returns.
     """
     tables = []
     keys = ["species", "objective", "amplitude_convention"]

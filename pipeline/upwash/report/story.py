@@ -8,12 +8,8 @@ from dataclasses import dataclass
 import pandas as pd
 
 from upwash.report import species_tables
-from upwash.report.comparison import compare, compare_objectives
 from upwash.report.figures.drawing import OBJECTIVE_LABELS, percent
 from upwash.report.figures.flocks import papers_flocks, series
-from upwash.report.mechanism import count_species, mechanism
-from upwash.report.observations import compare_with_observations
-from upwash.report.sources import Sources, best, common_name, objectives_of
 from upwash.report.table import Table
 from upwash.report.tables import (
     GLOBAL,
@@ -26,6 +22,10 @@ from upwash.report.tables import (
     table_1,
 )
 from upwash.species.library import REFERENCE
+from upwash.study.comparison import compare, compare_objectives
+from upwash.study.mechanism import count_species, mechanism
+from upwash.study.observations import compare_with_observations
+from upwash.study.sources import Sources, best, common_name, objectives_of
 
 
 @dataclass(frozen=True)

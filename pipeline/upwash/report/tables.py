@@ -13,9 +13,9 @@ import pandas as pd
 
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.batch.check import RESIDUAL_LIMIT
-from upwash.report.paper import PRINTED_VARIOUSLY, TABLE_1, Row
-from upwash.report.quantities import with_quantities
+from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1, Row
 from upwash.report.table import Table, cell
+from upwash.study.quantities import with_quantities
 
 V, GLOBAL = "V optimum", "global optimum"
 PROVED_BUT_FOR_ROUNDING = 1.0 + 1e-6

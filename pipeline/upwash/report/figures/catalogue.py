@@ -37,7 +37,7 @@ from upwash.report.figures import (
     speed_power,
 )
 from upwash.report.figures.drawing import METADATA, save
-from upwash.report.sources import Sources, read_study, sort_studies
+from upwash.study.sources import Sources, read_study, sort_studies
 
 FIGURES: dict[str, ModuleType] = {
     module.NAME: module

@@ -22,7 +22,7 @@ from upwash.report.figures.drawing import (
     styled,
 )
 from upwash.report.figures.perspective import View, draw_directions
-from upwash.report.sources import best, bird_of, objectives_of
+from upwash.study.sources import best, bird_of, objectives_of
 
 NAME = "configurations"
 TITLE = "The four pairs of stroke states"

@@ -8,8 +8,8 @@ from typing import Any
 import pandas as pd
 
 from upwash.report.figures.drawing import OBJECTIVE_LABELS, OBJECTIVES
-from upwash.report.sources import objectives_of
 from upwash.species.library import REFERENCE
+from upwash.study.sources import objectives_of
 
 PAPERS_BIRDS = 6
 """Birds of the paper's flock."""

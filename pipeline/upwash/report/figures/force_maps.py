@@ -10,9 +10,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from upwash.aero.field_map import PLANES, ForceMap
-from upwash.report.field import plane_through, ratios
 from upwash.report.figures.drawing import OBJECTIVE_LABELS, PAGE_WIDTH_IN, letter, mark, styled
-from upwash.report.sources import best, objectives_of
+from upwash.study.field import plane_through, ratios
+from upwash.study.sources import best, objectives_of
 
 NAME = "force-maps"
 TITLE = "The force on a follower, place by place"

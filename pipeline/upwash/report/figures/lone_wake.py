@@ -22,7 +22,7 @@ from upwash.report.figures.drawing import (
     tip_height,
 )
 from upwash.report.figures.perspective import View, draw_directions
-from upwash.report.sources import bird_of, common_name
+from upwash.study.sources import bird_of, common_name
 
 NAME = "lone-wake"
 TITLE = "The wake of a lone bird"

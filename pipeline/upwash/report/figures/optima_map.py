@@ -22,7 +22,7 @@ from upwash.report.figures.drawing import (
     percent,
     styled,
 )
-from upwash.report.sources import common_name, objectives_of
+from upwash.study.sources import common_name, objectives_of
 
 NAME = "optima-map"
 TITLE = "All the optima, and what each costs"

@@ -24,7 +24,7 @@ from upwash.report.figures.drawing import (
     styled,
     tip_height,
 )
-from upwash.report.sources import best, bird_of, common_name, objectives_of
+from upwash.study.sources import best, bird_of, common_name, objectives_of
 
 NAME = "optimal-position"
 TITLE = "Where the follower should fly"

@@ -18,7 +18,7 @@ from upwash.report.figures.drawing import (
     percent,
     styled,
 )
-from upwash.report.sources import objectives_of, subject, varied_inputs
+from upwash.study.sources import objectives_of, subject, varied_inputs
 
 NAME = "parameter-saving"
 TITLE = "What the saving depends on"

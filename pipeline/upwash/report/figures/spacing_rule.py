@@ -21,7 +21,7 @@ from upwash.report.figures.drawing import (
     signed,
     styled,
 )
-from upwash.report.sources import best, bird_of, objectives_of
+from upwash.study.sources import best, bird_of, objectives_of
 
 NAME = "spacing-rule"
 TITLE = "How far to the side"

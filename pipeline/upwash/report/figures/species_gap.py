@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from upwash.report.comparison import compare, compare_objectives
 from upwash.report.figures.drawing import (
     FAINT,
     OBJECTIVE_LABELS,
@@ -27,6 +26,7 @@ from upwash.report.figures.species_rows import (
     order_of,
     row_height,
 )
+from upwash.study.comparison import compare, compare_objectives
 
 NAME = "species-gap"
 TITLE = "Species: the V against the best, and force against power"

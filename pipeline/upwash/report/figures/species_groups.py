@@ -10,10 +10,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from upwash.report.comparison import compare
 from upwash.report.figures.drawing import FAINT, PAGE_WIDTH_IN, in_percent, letter, percent, styled
 from upwash.report.figures.species_rows import order_of
-from upwash.report.sources import common_name, objectives_of
+from upwash.study.comparison import compare
+from upwash.study.sources import common_name, objectives_of
 
 NAME = "species-groups"
 TITLE = "Species: one chart for all"

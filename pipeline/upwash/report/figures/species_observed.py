@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 
 from upwash.report.figures.drawing import FAINT, OBJECTIVES, OBSERVED, PAGE_WIDTH_IN, letter, styled
 from upwash.report.figures.species_rows import CONVENTIONS, ROW_IN, add_legend
-from upwash.report.observations import NOT_COMPARED, compare_with_observations
-from upwash.report.sources import common_name
+from upwash.study.observations import NOT_COMPARED, compare_with_observations
+from upwash.study.sources import common_name
 
 NAME = "species-observed"
 TITLE = "Species: beside what was observed"
@@ -52,7 +52,7 @@ def compared(
     Returns
     -------
     DataFrame
-        Columns of `upwash.report.observations.OBSERVED`, without what compares with nothing.
+        Columns of `upwash.study.observations.OBSERVED`, without what compares with nothing.
     """
     found = compare_with_observations(species, samples, observations)
     found = found[(found["verdict"] != NOT_COMPARED) & ~found["study"].str.startswith(PAPER)].copy()

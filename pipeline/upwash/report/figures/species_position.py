@@ -5,9 +5,9 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from upwash.report.comparison import compare
 from upwash.report.figures.drawing import FAINT, PAGE_WIDTH_IN, letter, styled
 from upwash.report.figures.species_rows import add_legend, draw_rows, guide, name_rows, order_of, row_height
+from upwash.study.comparison import compare
 
 NAME = "species-position"
 TITLE = "Species: where to fly"

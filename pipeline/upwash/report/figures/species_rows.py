@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from upwash.report.figures.drawing import FAINT, OBJECTIVE_LABELS, OBJECTIVES
-from upwash.report.sources import common_name, objectives_of
+from upwash.study.sources import common_name, objectives_of
 
 CONVENTIONS = {"stroke-angle": "own stroke angle", "strouhal": "ibis's Strouhal number"}
 """Amplitude conventions in words; the first is drawn filled, any other hollow."""
@@ -42,7 +42,7 @@ def draw_rows(
         Where.
     table : DataFrame
         One row for each species, objective and amplitude convention, as from
-        `upwash.report.comparison.compare`.
+        `upwash.study.comparison.compare`.
     column : str
         The quantity; ``column_low`` and ``column_high`` hold its interval.
     order : sequence of str

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from upwash.report.comparison import compare
 from upwash.report.figures.drawing import FAINT, PAGE_WIDTH_IN, in_percent, letter, percent, styled
 from upwash.report.figures.species_rows import add_legend, draw_rows, guide, name_rows, order_of, row_height
-from upwash.report.sources import common_name
+from upwash.study.comparison import compare
+from upwash.study.sources import common_name
 
 NAME = "species-saving"
 TITLE = "Species: what is saved"

@@ -6,7 +6,6 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from upwash.report.comparison import compare
 from upwash.report.figures.drawing import (
     FAINT,
     OBJECTIVES,
@@ -25,7 +24,8 @@ from upwash.report.figures.species_rows import (
     order_of,
     row_height,
 )
-from upwash.report.sources import common_name
+from upwash.study.comparison import compare
+from upwash.study.sources import common_name
 
 NAME = "species-stroke"
 TITLE = "Species: how the stroke changes"

@@ -6,9 +6,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from upwash.report.airspeed import best_speed
 from upwash.report.figures.drawing import LEADER, OBJECTIVES, PAGE_WIDTH_IN, letter, styled
-from upwash.report.sources import common_name
+from upwash.study.airspeed import best_speed
+from upwash.study.sources import common_name
 
 NAME = "speed-power"
 TITLE = "How fast to fly"

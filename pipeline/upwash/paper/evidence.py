@@ -1,0 +1,307 @@
+"""What claims are judged by: the optima of the paper's pair, its flocks, and the pair at other airspeeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import pi, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+
+from upwash.aero.bird import Bird
+from upwash.aero.field_map import PLANES, force_map
+from upwash.aero.interaction import state_forces
+from upwash.aero.wake import WakeModel
+from upwash.batch import columns as of
+from upwash.errors import UpwashError
+from upwash.optimum.problem import STREAMWISE_REACH
+from upwash.paper.printed import Row
+from upwash.study.quantities import with_quantities
+from upwash.study.sources import bird_of, read_study
+
+PAPER_BIRD = Bird(
+    mass_kg=1.3,
+    semispan_m=0.6,
+    speed_m_s=15.0,
+    period_s=0.25,
+    density_kg_m3=1.29,
+    gravity_m_s2=9.8,
+    amplitude_m=2.0 * 0.6 * sin(pi / 3.0),
+    upstroke_span_ratio=0.4,
+)
+"""The northern bald ibis of the paper's Results."""
+
+OBJECTIVES = ("force", "power")
+READINGS = ("immediate", "lone")
+BIRDS = 6
+"""The paper's cost functions; the two readings of its bound on a flock's amplitudes; the birds of its flock."""
+
+FLOCKS, SPEEDS = "paper-flocks", "group-speed"
+"""Sweeps whose results, beside those of the pair, tell of flocks and of other airspeeds."""
+
+LEAST_SPEEDS = 5
+"""Airspeeds from which the best one can be told."""
+
+MAP_SIZE = 241
+SPANWISE = 3.0
+"""Points along each side of a force map; its reach to the side, in semispans."""
+
+# Column of the results -> what it must be for the bird to be the paper's.
+_PAPER = WakeModel()
+_INPUTS = {
+    "mass_kg": PAPER_BIRD.mass_kg,
+    "semispan_m": PAPER_BIRD.semispan_m,
+    "speed_m_s": PAPER_BIRD.speed_m_s,
+    "period_s": PAPER_BIRD.period_s,
+    "density_kg_m3": PAPER_BIRD.density_kg_m3,
+    "gravity_m_s2": PAPER_BIRD.gravity_m_s2,
+    "leader_amplitude_m": PAPER_BIRD.amplitude_m,
+    "leader_upstroke_span_ratio": PAPER_BIRD.upstroke_span_ratio,
+    "circulation_ratio": PAPER_BIRD.circulation_ratio,
+    "core_radius_ratio": _PAPER.core_radius_ratio,
+    "stroke_states": _PAPER.stroke_states,
+    "span_nodes": _PAPER.span_nodes,
+}
+
+
+@dataclass(frozen=True)
+class ForceRatios:
+    """Net force over a plane through an optimum, and the optimum's own without the wake's.
+
+    Attributes
+    ----------
+    lift, thrust : (m, n) ndarray of float
+        Vertical force over weight, thrust over drag; rows are y, z or phase, columns x from 0 to 1.5 λ.
+    own_lift, own_thrust : float
+        The follower's own part of each.
+    """
+
+    lift: NDArray[np.float64]
+    thrust: NDArray[np.float64]
+    own_lift: float
+    own_thrust: float
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """The frames that claims are measured in.
+
+    Attributes
+    ----------
+    pair : DataFrame
+        All optima of the pair, for each of `OBJECTIVES`.
+    flocks : dict
+        Objective and reading -> a flock of `BIRDS` in an echelon, one row a bird from the first.
+    speeds : DataFrame or None
+        All optima of the pair for least power at several airspeeds.
+    """
+
+    pair: pd.DataFrame
+    flocks: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
+    speeds: pd.DataFrame | None = None
+
+    def missing(self, name: str) -> str:
+        """Say what has to be run before a field of this evidence can be used; empty if nothing."""
+        found = getattr(self, name)
+        if found is not None and len(found):
+            return ""
+        sweep = {"flocks": FLOCKS, "speeds": SPEEDS}[name]
+        return f"needs results/{sweep} beside these results: run and aggregate the sweep {sweep}"
+
+    @cached_property
+    def bird(self) -> Bird:
+        """The bird of the pair."""
+        return bird_of(self.pair.iloc[0])
+
+    @cached_property
+    def _labelled(self) -> dict[tuple[str, str], dict[str, Any]]:
+        """Objective and label -> the optimum's row."""
+        rows = with_quantities(self.pair)
+        return {
+            (objective, label): dict(rows[(rows["objective"] == objective) & rows[label].eq(True)].iloc[0])
+            for objective in OBJECTIVES
+            for label in ("is_v_optimum", "is_global_optimum")
+        }
+
+    def v(self, objective: str) -> Row:
+        """Return the V optimum, with the columns of `upwash.study.quantities`."""
+        return self._labelled[objective, "is_v_optimum"]
+
+    def best(self, objective: str) -> Row:
+        """Return the global optimum, with the columns of `upwash.study.quantities`."""
+        return self._labelled[objective, "is_global_optimum"]
+
+    def of_v(self, column: str, factor: float = 1.0) -> dict[str, float]:
+        """Return a column of the V optimum for each objective."""
+        return {objective: factor * float(self.v(objective)[column]) for objective in OBJECTIVES}
+
+    def flock_cases(self, column: str) -> dict[str, NDArray[np.float64]]:
+        """Return a column of each flock, one value a bird."""
+        return {
+            f"{one}, {reading}": flock[column].to_numpy(float)
+            for (one, reading), flock in self.flocks.items()
+        }
+
+    @cached_property
+    def forces(self) -> dict[str, NDArray[np.float64]]:
+        """Wake-induced lift and thrust at the V optimum in each pair of stroke states, (2, 2, 2) in N."""
+        return {
+            objective: state_forces(
+                *self._leader, _position(row), row["amplitude_m"], row["upstroke_span_ratio"]
+            )
+            for objective, row in ((one, self.v(one)) for one in OBJECTIVES)
+        }
+
+    @property
+    def _leader(self) -> tuple[Bird, float, float]:
+        return self.bird, self.bird.amplitude_m, self.bird.upstroke_span_ratio
+
+    def wake_over(
+        self, objective: str, plane: str, x_m: ArrayLike, across: ArrayLike, **place: float
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return wake-induced lift and thrust over a plane, with the stroke of a V optimum.
+
+        Parameters
+        ----------
+        objective : str
+            Whose V optimum.
+        plane : str
+            ``xy``, ``xz`` or ``xk``.
+        x_m, across : array_like of float
+            Coordinates of its columns and rows; y and z in m.
+        **place : float
+            Position ``x``, ``y`` or ``z`` in m that differs from the optimum's.
+
+        Returns
+        -------
+        tuple of (m, n) ndarray of float
+            Lift and thrust, in N.
+        """
+        bird, row = self.bird, self.v(objective)
+        position = [place.get(axis, one) for axis, one in zip("xyz", _position(row), strict=True)]
+        stroke = row["amplitude_m"], row["upstroke_span_ratio"]
+        found = force_map(*self._leader, (*position, row["phase"]), *stroke, plane, x_m, across)
+        return found.lift_n - bird.lift_n(stroke[1]), found.thrust_n - bird.thrust_n(*stroke)
+
+    @cached_property
+    def maps(self) -> dict[str, ForceRatios]:
+        """Net force in the three planes through the V optimum of least force, as the paper maps it."""
+        bird, row = self.bird, self.v("force")
+        own_lift, own_thrust = row["lift_self_n"] / bird.weight_n, row["thrust_self_n"] / bird.drag_n
+        reach = {
+            "xy": (0.0, SPANWISE * bird.semispan_m),
+            "xz": (-bird.amplitude_m, bird.amplitude_m),
+            "xk": (0.0, 1.0),
+        }
+        streamwise = np.linspace(0.0, STREAMWISE_REACH * bird.wavelength_m, MAP_SIZE)
+        found = {}
+        for plane in PLANES:
+            across = np.linspace(*reach[plane], MAP_SIZE)
+            lift, thrust = self.wake_over("force", plane, streamwise, across)
+            found[plane] = ForceRatios(
+                own_lift + lift / bird.weight_n, own_thrust + thrust / bird.drag_n, own_lift, own_thrust
+            )
+        return found
+
+
+def _position(row: Row) -> tuple[float, float, float]:
+    return row["x_m"], row["y_m"], row["z_m"]
+
+
+def beside(results: Path) -> list[Path]:
+    """Return where the results of flocks and of airspeeds are, or would be, for those of the pair."""
+    parent = results.parent if results.name not in ("", "..") else results.resolve().parent
+    return [parent / name for name in (FLOCKS, SPEEDS)]
+
+
+def read_evidence(results: str | Path) -> Evidence:
+    """Read the evidence from a results folder and, where they are, those of flocks and airspeeds beside it.
+
+    Raises
+    ------
+    UpwashError
+        If there is no such gathered folder, or it does not hold the paper's pair.
+    """
+    folder = Path(results)
+    others = [path for path in beside(folder) if path.is_dir() and path.resolve() != folder.resolve()]
+    studies = [read_study(path) for path in (folder, *others)]
+    try:
+        return gather_evidence([one.rows for one in studies])
+    except UpwashError as error:
+        raise UpwashError(f"{results}: {error}") from error
+
+
+def gather_evidence(frames: Iterable[pd.DataFrame]) -> Evidence:
+    """Find the evidence in frames of results.
+
+    Parameters
+    ----------
+    frames : iterable of DataFrame
+        Rows of ``solutions.parquet`` or ``flock.parquet``; what is not of the paper's bird is passed over.
+
+    Raises
+    ------
+    UpwashError
+        If the paper's pair is not among them with a V optimum for each of its objectives.
+    """
+    frames = [frame for frame in frames if len(frame)]
+    of_pairs = [frame for frame in frames if "bird" not in frame]
+    pairs = pd.concat(of_pairs, ignore_index=True) if of_pairs else pd.DataFrame(columns=list(_INPUTS))
+    # A job may be in more than one of them.
+    pairs = pairs.drop_duplicates(["job_id", "rank"]) if of_pairs else pairs
+    pair = _of_paper(pairs)
+    pair = pair[pair["status"] == of.SOLVED] if len(pair) else pair
+    pair = _first_job_of_each(pair, "objective") if len(pair) else pair
+    for objective in OBJECTIVES:
+        if pair.empty or not (pair["is_v_optimum"].eq(True) & (pair["objective"] == objective)).any():
+            raise UpwashError(
+                f"expected the V optimum of the paper's pair for least {objective}, found none; "
+                "run and aggregate the sweep reproduce"
+            )
+    return Evidence(pair, _flocks([frame for frame in frames if "bird" in frame]), _speeds(pairs))
+
+
+def _of_paper(rows: pd.DataFrame, free: tuple[str, ...] = ()) -> pd.DataFrame:
+    """Return the rows whose inputs are the paper's, but for those that are free."""
+    same = pd.Series(True, index=rows.index)
+    for name, value in _INPUTS.items():
+        if name not in free:
+            same &= np.isclose(rows[name].astype(float), value, rtol=1e-9, atol=0.0)
+    return rows[same]
+
+
+def _first_job_of_each(rows: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Return the rows of one job for each value of a column: jobs may differ in seed and tolerance alone."""
+    return rows[rows["job_id"].isin(rows.drop_duplicates(column)["job_id"])]
+
+
+def _flocks(frames: list[pd.DataFrame]) -> dict[tuple[str, str], pd.DataFrame]:
+    """Return the complete flocks that are built as the paper's."""
+    found: dict[tuple[str, str], pd.DataFrame] = {}
+    for frame in frames:
+        for _, flock in frame.groupby("flock_id", sort=False):
+            flock = flock.sort_values("bird", ignore_index=True)
+            first = flock.iloc[0]
+            is_whole = len(flock) == BIRDS and bool((flock["status"] == of.SOLVED).all())
+            is_chain = (first["shape"], first["wake"]) == ("echelon", "neighbour")
+            if is_whole and is_chain and len(_of_paper(flock.head(1))):
+                found.setdefault((first["objective"], first["reading"]), flock)
+    wanted = [(objective, reading) for objective in OBJECTIVES for reading in READINGS]
+    # Half of the flocks would give claims that hold in every case that was looked at.
+    return {key: found[key] for key in wanted} if set(wanted) <= set(found) else {}
+
+
+def _speeds(pairs: pd.DataFrame) -> pd.DataFrame | None:
+    """Return the pairs that differ from the paper's in airspeed alone, for least power."""
+    rows = _of_paper(pairs, free=("speed_m_s",))
+    if rows.empty:
+        return None
+    rows = rows[(rows["objective"] == "power") & (rows["status"] == of.SOLVED)]
+    with_v = rows[rows["is_v_optimum"].eq(True)]
+    rows = _first_job_of_each(rows[rows["job_id"].isin(with_v["job_id"])], "speed_m_s")
+    return rows if rows["speed_m_s"].nunique() >= LEAST_SPEEDS else None

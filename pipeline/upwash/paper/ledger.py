@@ -1,0 +1,142 @@
+"""The ledger: every claim judged, as a frame and as a Parquet file."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from upwash.batch.columns import TEXT, Column
+from upwash.batch.store import encode, provenance, schema_of, write_atomic
+from upwash.paper import (
+    of_flock,
+    of_forces,
+    of_lone_bird,
+    of_optimum,
+    of_power,
+    of_print,
+    of_search,
+    of_speed,
+    of_table_1,
+)
+from upwash.paper.claim import (
+    VERDICTS,
+    Judgement,
+    judge,
+)
+from upwash.paper.evidence import Evidence
+
+TOPICS = {
+    "Table 1": of_table_1.CLAIMS,
+    "The lone bird and the cost": of_lone_bird.CLAIMS,
+    "Where the follower flies": of_optimum.CLAIMS,
+    "The search": of_search.CLAIMS,
+    "The wake's force": of_forces.CLAIMS,
+    "Power and stroke": of_power.CLAIMS,
+    "The flock": of_flock.CLAIMS,
+    "The airspeed of a group": of_speed.CLAIMS,
+    "The paper against itself": of_print.CLAIMS,
+}
+"""Topic -> its claims, in the order of the ledger."""
+
+CLAIMS = tuple(claim for claims in TOPICS.values() for claim in claims)
+
+CLAIM_COLUMNS = (
+    Column("claim_id", "", "name of the claim", TEXT),
+    Column("topic", "", "what it is about", TEXT),
+    Column("place", "", "where it stands in the paper", TEXT),
+    Column("claim", "", "what it says, in few words of ours", TEXT),
+    Column("printed", "", "printed value or phrase", TEXT),
+    Column("ours", "as in unit", "our value in the first case; absent if not run"),
+    Column("unit", "", "unit of our values; empty for a pure number", TEXT),
+    Column(
+        "tolerance",
+        "as in unit",
+        "how far beyond the printed value ours may lie; absent where only a limit counts",
+    ),
+    Column(
+        "accepted_low", "as in unit", "least value of ours that makes the claim true; absent if there is none"
+    ),
+    Column("accepted_high", "as in unit", "largest such value; absent if there is none"),
+    Column("cases", "", "our value in each case that was looked at, semicolon separated", TEXT),
+    Column("exceptions", "", "cases that are not as claimed, semicolon separated", TEXT),
+    Column("verdict", "", ", ".join(VERDICTS), TEXT),
+    Column("why", "", "one line of why", TEXT),
+)
+"""Columns of ``claims.parquet``."""
+
+FILE = "claims.parquet"
+
+NUMBER = ".4g"
+NOISE = 1e-9
+"""Numbers smaller than this are an imbalance of the search, and written as zero."""
+
+
+def judge_claims(evidence: Evidence) -> pd.DataFrame:
+    """Judge every claim.
+
+    Returns
+    -------
+    DataFrame
+        The columns of `CLAIM_COLUMNS`, one row a claim, in the order of the ledger.
+    """
+    rows = [
+        {"topic": topic, **_row(judge(claim, evidence))}
+        for topic, claims in TOPICS.items()
+        for claim in claims
+    ]
+    return pd.DataFrame(rows, columns=[column.name for column in CLAIM_COLUMNS])
+
+
+def _row(judged: Judgement) -> dict[str, object]:
+    claim, accepted = judged.claim, judged.claim.accepted
+    has_width = math.isfinite(accepted.low) and math.isfinite(accepted.high)
+    return {
+        "claim_id": claim.name,
+        "place": claim.place,
+        "claim": claim.says,
+        "printed": claim.printed,
+        "ours": next(iter(judged.cases.values()), None),
+        "unit": claim.unit,
+        "tolerance": accepted.tolerance if has_width else None,
+        "accepted_low": accepted.least if math.isfinite(accepted.low) else None,
+        "accepted_high": accepted.most if math.isfinite(accepted.high) else None,
+        "cases": "; ".join(f"{case} {_number(value)}" for case, value in judged.cases.items()),
+        "exceptions": "; ".join(judged.exceptions),
+        "verdict": judged.verdict,
+        "why": judged.why,
+    }
+
+
+def _number(value: float) -> str:
+    return format(0.0 if abs(value) < NOISE else float(value), NUMBER) if math.isfinite(value) else "-"
+
+
+def write_claims(ledger: pd.DataFrame, folder: str | Path, sweep_text: str = "") -> Path:
+    """Write the ledger as ``claims.parquet`` into a folder, whole or not at all.
+
+    Parameters
+    ----------
+    ledger : DataFrame
+        As `judge_claims` returns.
+    folder : str or path
+        The folder.
+    sweep_text : str
+        Text of the sweep whose results were judged, for the file's metadata.
+    """
+    path = Path(folder) / FILE
+    write_atomic(path, encode(ledger_records(ledger), schema_of(CLAIM_COLUMNS), provenance(sweep_text)))
+    return path
+
+
+def ledger_records(ledger: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the ledger as dictionaries, one a claim; what is absent is None."""
+    values = ledger.astype(object).where(ledger.notna(), None)
+    return [dict(zip(ledger.columns, row, strict=True)) for row in values.itertuples(index=False, name=None)]
+
+
+def tally(ledger: pd.DataFrame) -> dict[str, int]:
+    """Return how many claims have each verdict."""
+    return {verdict: int((ledger["verdict"] == verdict).sum()) for verdict in VERDICTS}

@@ -1,0 +1,313 @@
+"""What the paper says of the wake's force: in each pair of stroke states, and mapped over planes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from upwash.aero.induction import velocity
+from upwash.aero.interaction import phase_weights, span_nodes, state_circulation_ratio
+from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
+from upwash.paper.claim import Cases, Claim, at_least, at_most, between, near
+from upwash.paper.evidence import OBJECTIVES, Evidence
+
+UP, DOWN = 0, 1
+LIKE = {"up–up": (UP, UP), "down–down": (DOWN, DOWN)}
+UNLIKE = {"up–down": (UP, DOWN), "down–up": (DOWN, UP)}
+"""Pairs of stroke states, the leader's first."""
+
+QUARTER = 0.25
+"""Height above and below the leader at which the sign of the lift is asked, in h_L."""
+
+STATIONS = {"at λ/4": 0.25, "at λ/2": 0.5, "at 5λ/8": 0.625, "at 3λ/4": 0.75}
+
+LARGE_BENEFIT = 0.5
+"""Share of what the wake gives at the optimum that counts as strongly beneficial."""
+
+
+def _of_pairs(pairs: dict[str, tuple[int, int]]) -> Callable[[Evidence], Cases]:
+    """Wake-induced thrust in some pairs of stroke states."""
+
+    def measure(evidence: Evidence) -> Cases:
+        return {
+            f"{objective}, {words}": float(evidence.forces[objective][pair][1])
+            for objective in OBJECTIVES
+            for words, pair in pairs.items()
+        }
+
+    return measure
+
+
+def _weights(evidence: Evidence) -> Cases:
+    return {
+        f"{objective}, {words}": float(phase_weights(evidence.v(objective)["phase"])[pair])
+        for objective in OBJECTIVES
+        for words, pair in LIKE.items()
+    }
+
+
+def _from_downstroke_rings(evidence: Evidence) -> Cases:
+    """Share of the wake's lift and thrust at the V optimum that rings of downstrokes give, in percent."""
+    bird, model, found = evidence.bird, WakeModel(), {}
+    wake = vortex_wake(
+        bird.amplitude_m, bird.upstroke_span_ratio, bird.semispan_m, bird.wavelength_m, bird.circulation_m2_s
+    )
+    nodes, node_weights = span_nodes(model.span_nodes)
+    for objective in OBJECTIVES:
+        row = evidence.v(objective)
+        weights, force = phase_weights(row["phase"]), np.zeros(2)
+        for leader, follower in np.ndindex(weights.shape):
+            fixed, flexed = stroke_span(follower / 2)
+            half_span = bird.semispan_m * (fixed + flexed * row["upstroke_span_ratio"])
+            points = np.empty((nodes.size, 3))
+            points[:, 0], points[:, 1] = row["x_m"], row["y_m"] + half_span * nodes
+            points[:, 2] = row["z_m"] + row["amplitude_m"] * stroke_height(follower / 2)
+            rings = (wake.state == leader) & ~wake.is_upstroke
+            core = model.core_radius_ratio * bird.semispan_m
+            wind = node_weights @ velocity(points, wake.rings[rings], wake.circulation[rings], core)
+            own = bird.circulation_m2_s * state_circulation_ratio(bird, follower, 2)
+            force += weights[leader, follower] * bird.density_kg_m3 * own * 2.0 * half_span * wind[[0, 2]]
+        found[f"{objective}, lift"] = float(100.0 * force[0] / row["lift_wake_n"])
+        found[f"{objective}, thrust"] = float(100.0 * force[1] / row["thrust_wake_n"])
+    return found
+
+
+def _thrust_turns(evidence: Evidence) -> Cases:
+    """Where, nearest to λ/2, thrust from the wake turns into drag downstream, in wavelengths."""
+    stations = np.linspace(0.3, 0.7, 401)
+    found = {}
+    for objective in OBJECTIVES:
+        height = [evidence.v(objective)["z_m"]]
+        _, thrust = evidence.wake_over(objective, "xz", stations * evidence.bird.wavelength_m, height)
+        found[objective] = _nearest_fall(stations, thrust[0], 0.5)
+    return found
+
+
+def _lift_turns(evidence: Evidence) -> Cases:
+    """Where at x = λ/2, nearest to the leader's height, lift from the wake turns downward below, in h_L."""
+    heights = np.linspace(-1.0, 1.0, 401)
+    found = {}
+    for objective in OBJECTIVES:
+        half = [0.5 * evidence.bird.wavelength_m]
+        lift, _ = evidence.wake_over(objective, "xz", half, heights * evidence.bird.amplitude_m)
+        found[objective] = _nearest_fall(heights, -lift[:, 0], 0.0)
+    return found
+
+
+def _nearest_fall(where: NDArray[np.float64], values: NDArray[np.float64], to: float) -> float:
+    """Return where values fall through zero nearest to a place, interpolated; NaN if nowhere."""
+    at = np.flatnonzero((values[:-1] > 0.0) & (values[1:] <= 0.0))
+    zeros = where[at] + (where[at + 1] - where[at]) * values[at] / (values[at] - values[at + 1])
+    return float(zeros[np.argmin(np.abs(zeros - to))]) if at.size else np.nan
+
+
+def _lift_above_and_below(evidence: Evidence) -> Cases:
+    """At x = λ/2, lift a quarter amplitude above the leader, and downward force as far below, in N."""
+    away = QUARTER * evidence.bird.amplitude_m
+    lift, _ = evidence.wake_over("force", "xz", [0.5 * evidence.bird.wavelength_m], [away, -away])
+    return {"up, above": float(lift[0, 0]), "down, below": -float(lift[1, 0])}
+
+
+def _forward_and_down(evidence: Evidence) -> Cases:
+    """At y = 0, the lesser of the wake's forward and downward force, in N; both are so where it is positive."""
+    stations = np.array(list(STATIONS.values())) * evidence.bird.wavelength_m
+    lift, thrust = evidence.wake_over("force", "xy", stations, [0.0])
+    return dict(zip(STATIONS, np.minimum(-lift[0], thrust[0]).tolist(), strict=True))
+
+
+def _overlap(evidence: Evidence) -> Cases:
+    """Points of each map where the wake gives lift and thrust, over those where it gives either."""
+    found = {}
+    for plane, one in evidence.maps.items():
+        lifts, pulls = one.lift > one.own_lift, one.thrust > one.own_thrust
+        found[plane] = float((lifts & pulls).sum() / (lifts | pulls).sum())
+    return found
+
+
+def _strongly_beneficial(evidence: Evidence) -> Cases:
+    """Share of each map in which the wake gives much of both lift and thrust, in percent."""
+    found = {}
+    for plane, one in evidence.maps.items():
+        lifts = one.lift - one.own_lift > LARGE_BENEFIT * (1.0 - one.own_lift)
+        pulls = one.thrust - one.own_thrust > LARGE_BENEFIT * (1.0 - one.own_thrust)
+        found[plane] = float(100.0 * np.mean(lifts & pulls))
+    return found
+
+
+def _lowest(quantity: str) -> Callable[[Evidence], Cases]:
+    def measure(evidence: Evidence) -> Cases:
+        return {
+            "all maps": 100.0 * min(float(getattr(one, quantity).min()) for one in evidence.maps.values())
+        }
+
+    return measure
+
+
+CLAIMS = (
+    Claim(
+        "like-states-weightless",
+        "Wingtip path coherence",
+        "antiphase gives the like states, up–up and down–down, no weight",
+        "0",
+        "",
+        near(0.0, 1e-9),
+        _weights,
+        "β_uu = β_dd = |κ − ½|, and κ = ½.",
+    ),
+    Claim(
+        "like-states-drag",
+        "Wingtip path coherence; Fig. 3c,d",
+        "the two like states are those in which the wake drags",
+        "drag-producing",
+        "N",
+        at_most(0.0),
+        _of_pairs(LIKE),
+        "Down–down drags by {share:.1f} % of D; up–up hardly does anything, {force, up–up:+.4f} N of thrust with least "
+        "force and {power, up–up:+.4f} N with least power.",
+        facts=lambda evidence: {
+            "share": -100.0 * float(evidence.forces["force"][DOWN, DOWN][1]) / evidence.bird.drag_n
+        },
+    ),
+    Claim(
+        "unlike-states-thrust",
+        "Wingtip path coherence; Fig. 3c,d",
+        "in the unlike states the wake pulls forward",
+        "not drag-producing",
+        "N",
+        at_least(0.0),
+        _of_pairs(UNLIKE),
+        "Nearly all of it in up–down: leader up, follower down.",
+    ),
+    Claim(
+        "downstroke-wake-dominates",
+        "Multi-bird flocks",
+        "lift and thrust come mainly from the leader's downstroke wake",
+        "dominant mechanism",
+        "%",
+        at_least(50.0),
+        _from_downstroke_rings,
+        "Most of the lift with least force, {force, lift:.0f} %; of its thrust {force, thrust:.0f} %: the upstroke's "
+        "ring gives the rest.",
+    ),
+    Claim(
+        "thrust-map-minimum",
+        "Fig. 4",
+        "in the maps the net thrust drops as low as 50 % of the drag",
+        "50",
+        "%",
+        near(50.0, 5.0),
+        _lowest("thrust"),
+        "Least value in the three planes through the optimum of least force.",
+    ),
+    Claim(
+        "lift-map-minimum",
+        "Fig. 4",
+        "in the maps the net vertical force drops only to about 90 % of the weight",
+        "about 90",
+        "%",
+        near(90.0, 5.0),
+        _lowest("lift"),
+        "Least value in the same planes.",
+    ),
+    Claim(
+        "thrust-varies-more",
+        "Fig. 4",
+        "thrust varies much more than lift over the maps",
+        "much larger",
+        "times",
+        at_least(2.0),
+        lambda evidence: {
+            plane: float(np.ptp(one.thrust) / np.ptp(one.lift)) for plane, one in evidence.maps.items()
+        },
+        "Range of thrust over drag, over the range of vertical force over weight, in each plane.",
+    ),
+    Claim(
+        "benefits-do-not-coincide",
+        "Global structure of wake-induced forces",
+        "regions that give lift and regions that give thrust do not generally coincide",
+        "do not generally coincide",
+        "share",
+        at_most(0.5),
+        _overlap,
+        "Points with both benefits over points with either; half or more would be coinciding.",
+    ),
+    Claim(
+        "strong-benefit-is-rare",
+        "Global structure of wake-induced forces",
+        "strongly beneficial regions are a small fraction of the maps",
+        "small fraction",
+        "%",
+        at_most(5.0),
+        _strongly_beneficial,
+        "Where the wake gives at least half of its lift and half of its thrust at the optimum.",
+    ),
+    Claim(
+        "behind-the-leader",
+        "Global structure of wake-induced forces",
+        "near y = 0 the wake pulls forward and pushes down",
+        "forward but downward",
+        "N",
+        at_least(0.0),
+        _forward_and_down,
+        "Only in a band from about λ/2 to 0.7 λ; nearer to the leader the wake lifts.",
+    ),
+    Claim(
+        "lift-above-and-below",
+        "Global structure of wake-induced forces; Fig. 4c",
+        "at x = λ/2 the wake lifts above the leader's height and pushes down below it",
+        "upward above, downward below",
+        "N",
+        at_least(0.0),
+        _lift_above_and_below,
+        "A quarter of h_L above and below.",
+    ),
+    Claim(
+        "lift-changes-sign",
+        "Global structure of wake-induced forces; Fig. 4c",
+        "at x = λ/2 that change of sign is at the leader's height",
+        "across the leader's height",
+        "h_L",
+        near(0.0, 0.1),
+        _lift_turns,
+        "It is lower, at {force:.2f} h_L with least force: level with the leader the wake lifts.",
+    ),
+    Claim(
+        "thrust-changes-sign",
+        "Global structure of wake-induced forces; Fig. 4d",
+        "thrust from the wake turns into drag at x = λ/2",
+        "0.5",
+        "λ",
+        near(0.5, 0.01),
+        _thrust_turns,
+        "Thrust just upstream, drag just downstream, at the optimum's height.",
+    ),
+    Claim(
+        "optimum-upstream-of-the-change",
+        "Global structure of wake-induced forces",
+        "that is why the optimum lies slightly upstream of λ/2",
+        "slightly upstream",
+        "λ",
+        between(0.0, 0.05),
+        lambda evidence: {
+            objective: place - float(evidence.v(objective)["x_wavelengths"])
+            for objective, place in _thrust_turns(evidence).items()
+        },
+        "Distance of the optimum from the change of sign.",
+    ),
+    Claim(
+        "balance-at-the-optimum",
+        "Fig. 4",
+        "at the optimum vertical force is W and thrust is D precisely",
+        "1",
+        "",
+        near(0.0, 1e-8),
+        lambda evidence: {
+            f"{objective}, {words}": float(evidence.v(objective)[column])
+            for objective in OBJECTIVES
+            for words, column in (("lift", "residual_lift"), ("thrust", "residual_thrust"))
+        },
+        "Imbalance of ours over W and D, recomputed after the search.",
+    ),
+)

@@ -1,0 +1,75 @@
+"""What the paper says of the best airspeed of a group, from the pair solved at several airspeeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from upwash.paper.claim import Accepted, Cases, Claim
+from upwash.paper.evidence import Evidence
+from upwash.study.airspeed import best_speed
+
+LOWER = Accepted(0.0, 0.99)
+"""Ratios of airspeeds that are lower by more than the interpolation between the solved ones can err."""
+
+
+def _speeds(evidence: Evidence, per_metre: bool) -> dict[str, tuple[float, float]]:
+    """Return the best airspeed of the follower and that of the lone bird, in m/s, for each label."""
+    assert evidence.speeds is not None
+    found = {}
+    for words, label in (("V optimum", "is_v_optimum"), ("global optimum", "is_global_optimum")):
+        rows = evidence.speeds[evidence.speeds[label].eq(True)].sort_values("speed_m_s")
+        speed = rows["speed_m_s"].to_numpy(float)
+        unit = speed if per_metre else 1.0
+        own, alone = (
+            best_speed(speed, rows[column].to_numpy(float) / unit)
+            for column in ("power_total_w", "leader_power_total_w")
+        )
+        found[words] = own, alone
+    return found
+
+
+def _over_alone(per_metre: bool) -> Callable[[Evidence], Cases]:
+    """Best airspeed of the follower over that of the lone bird."""
+    return lambda evidence: {
+        words: own / alone for words, (own, alone) in _speeds(evidence, per_metre).items()
+    }
+
+
+def _in_m_s(per_metre: bool) -> Callable[[Evidence], Cases]:
+    """Best airspeeds of the lone bird and of one in a V, and the slowest that was solved, in m/s."""
+
+    def measure(evidence: Evidence) -> Cases:
+        assert evidence.speeds is not None
+        own, alone = _speeds(evidence, per_metre)["V optimum"]
+        return {"V": own, "alone": alone, "slowest": float(evidence.speeds["speed_m_s"].min())}
+
+    return measure
+
+
+CLAIMS = (
+    Claim(
+        "group-speed-of-least-power",
+        "Discussion",
+        "the airspeed of least power is lower for the follower than for a lone bird",
+        "lower",
+        "of the lone bird's",
+        LOWER,
+        _over_alone(per_metre=False),
+        "Alone {alone:.1f} m/s; in the V {V:.1f} m/s or less: slower than {slowest:g} m/s nothing was solved, as this "
+        "V then comes within a semispan of the leader.",
+        needs="speeds",
+        facts=_in_m_s(per_metre=False),
+    ),
+    Claim(
+        "group-speed-of-least-energy",
+        "Discussion",
+        "so is the airspeed of least energy per distance, which the paper leaves to future work",
+        "(not computed)",
+        "of the lone bird's",
+        LOWER,
+        _over_alone(per_metre=True),
+        "Alone {alone:.1f} m/s, in the V {V:.1f} m/s.",
+        needs="speeds",
+        facts=_in_m_s(per_metre=True),
+    ),
+)

@@ -1,0 +1,108 @@
+"""The ledger of the paper's claims in words: for a terminal, as Markdown, and as the page shows it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from upwash.paper.claim import FAILS, HOLDS, HOLDS_WITH_CONDITION, NOT_RUN
+from upwash.paper.ledger import NUMBER, tally
+from upwash.report.table import Table, true_minus
+
+LIMIT = ".5g"
+
+ROUNDED_TO_ZERO = 1e-6
+"""Accepted values this near to zero on both sides are written as zero."""
+
+COUNTED = {HOLDS: "hold", HOLDS_WITH_CONDITION: "hold with a condition", FAILS: "fail", NOT_RUN: "not run"}
+
+
+def counts(ledger: pd.DataFrame) -> str:
+    """Say how many claims hold and how many do not."""
+    parts = [f"{number} {COUNTED[verdict]}" for verdict, number in tally(ledger).items() if number]
+    return f"{len(ledger)} claims: {', '.join(parts)}"
+
+
+def ledger_text(ledger: pd.DataFrame) -> str:
+    """Write the ledger for a terminal: one table, and below it why a claim does not simply hold."""
+    shown = pd.DataFrame(
+        {
+            "claim": ledger["claim_id"],
+            "printed": ledger["printed"],
+            "unit": ledger["unit"],
+            "ours": ledger["ours"],
+            "accepted": _accepted(ledger),
+            "verdict": ledger["verdict"],
+        }
+    )
+    open_ones = ledger[ledger["verdict"] != HOLDS]
+    why = [f"{row.claim_id}: {row.claim}: {_spelled(row)}. {row.why}" for row in open_ones.itertuples()]
+    table = Table("The paper's claims, and our verdicts", shown, {"ours": NUMBER}, tuple(why)).text()
+    return f"{table}\n\n{counts(ledger)}"
+
+
+def _spelled(row: Any) -> str:
+    """Write a verdict and, if it is conditional, the cases that are not as claimed."""
+    return row.verdict + (f" (not so: {row.exceptions})" if row.verdict == HOLDS_WITH_CONDITION else "")
+
+
+def ledger_markdown(ledger: pd.DataFrame) -> str:
+    """Write the ledger as Markdown, one table a topic."""
+    parts = [f"{counts(ledger)}."]
+    for topic, rows in ledger.groupby("topic", sort=False):
+        shown = pd.DataFrame(
+            {
+                "claim": [f"{row.claim} ({row.place})" for row in rows.itertuples()],
+                "printed": rows["printed"],
+                "ours": list(map(_marked, rows["cases"], rows["exceptions"])),
+                "unit": rows["unit"],
+                "accepted": _accepted(rows),
+                "verdict": [f"**{one}**" if one != HOLDS else one for one in rows["verdict"]],
+                "why": rows["why"],
+            }
+        )
+        # A heading stands in the place of the table's own title.
+        lines = Table(str(topic), shown).markdown().splitlines()[2:]
+        parts.append("\n".join([f"## {topic}", "", *lines]))
+    return true_minus("\n\n".join(parts))
+
+
+def ledger_shown(ledger: pd.DataFrame) -> pd.DataFrame:
+    """Return the ledger as people read it on one page: verdict, claim, values, and why."""
+    values = [
+        f"{cases} {unit}".strip() if cases else ""
+        for cases, unit in zip(ledger["cases"], ledger["unit"], strict=True)
+    ]
+    return pd.DataFrame(
+        {
+            "verdict": ledger["verdict"],
+            "claim": [f"{row.claim} ({row.place})" for row in ledger.itertuples()],
+            "printed": ledger["printed"],
+            "ours": values,
+            "accepted": _accepted(ledger),
+            "why": ledger["why"],
+        }
+    )
+
+
+def _marked(cases: str, exceptions: str) -> str:
+    """Return the cases with those that are not as claimed in bold."""
+    bold = exceptions.split("; ")
+    written = [f"**{one}**" if one.rpartition(" ")[0] in bold else one for one in cases.split("; ") if cases]
+    return "; ".join(written) or "-"
+
+
+def _accepted(ledger: pd.DataFrame) -> list[str]:
+    """Write the accepted values of each claim."""
+    found = []
+    for low, high in zip(ledger["accepted_low"], ledger["accepted_high"], strict=True):
+        if pd.isna(low):
+            found.append(f"at most {high:{LIMIT}}")
+        elif pd.isna(high):
+            found.append(f"at least {low:{LIMIT}}")
+        elif max(-low, high) <= ROUNDED_TO_ZERO:
+            found.append("0")
+        else:
+            found.append(f"{low:{LIMIT}} to {high:{LIMIT}}")
+    return found

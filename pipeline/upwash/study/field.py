@@ -1,0 +1,129 @@
+"""The force map through a stored optimum: computed on all cores, and as a table."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from upwash.aero.field_map import COORDINATES, PLANES, ForceMap, force_map
+from upwash.batch.columns import Column
+from upwash.batch.store import TABLE_OPTIONS, provenance, replacing, schema_of
+from upwash.optimum.problem import STREAMWISE_REACH
+from upwash.study.sources import bird_of
+
+SPANWISE = 3.0
+"""Reach of a map to the side, in semispans."""
+
+FIELD = (
+    Column("x_m", "m", "follower downstream of its leader"),
+    Column("y_m", "m", "follower right of its leader"),
+    Column("z_m", "m", "follower above its leader"),
+    Column("phase", "1", "follower's lag behind its leader, in wingbeats"),
+    Column("lift_n", "N", "vertical force on the follower, its own and the wake's"),
+    Column("thrust_n", "N", "thrust of the follower, its own and the wake's, positive upstream"),
+)
+"""Columns of a force map, one row a point."""
+
+# What a map is of: kept in its file's metadata, so that forces can be scaled and the optimum found.
+OF_THE_OPTIMUM = (
+    "species",
+    "objective",
+    "is_v_optimum",
+    "x_m",
+    "y_m",
+    "z_m",
+    "phase",
+    "amplitude_m",
+    "upstroke_span_ratio",
+    "weight_n",
+    "drag_n",
+    "semispan_m",
+    "speed_m_s",
+    "period_s",
+    "leader_amplitude_m",
+    "leader_upstroke_span_ratio",
+)
+
+
+def plane_through(row: pd.Series, plane: str, size: int) -> ForceMap:
+    """Return the force map in a plane through a stored optimum, over the range that is searched.
+
+    Parameters
+    ----------
+    row : Series
+        The optimum, by the columns of ``solutions.parquet``.
+    plane : str
+        ``xy``, ``xz`` or ``xk``: x and y, z or the phase.
+    size : int
+        Points along each side.
+
+    Returns
+    -------
+    ForceMap
+        x from 0 to 1.5 wavelengths; y from 0 to `SPANWISE` semispans, z within the leader's amplitude, or all
+        phases.
+    """
+    bird = bird_of(row)
+    reach = {
+        "xy": (0.0, SPANWISE * bird.semispan_m),
+        "xz": (-bird.amplitude_m, bird.amplitude_m),
+        "xk": (0.0, 1.0),
+    }
+    first = np.linspace(0.0, STREAMWISE_REACH * bird.wavelength_m, size)
+    cores = os.cpu_count() or 1
+
+    def rows_of(second: np.ndarray) -> ForceMap:
+        return force_map(
+            bird,
+            bird.amplitude_m,
+            bird.upstroke_span_ratio,
+            (row["x_m"], row["y_m"], row["z_m"], row["phase"]),
+            row["amplitude_m"],
+            row["upstroke_span_ratio"],
+            plane,
+            first,
+            second,
+        )
+
+    with ThreadPoolExecutor(cores) as threads:
+        parts = list(threads.map(rows_of, np.array_split(np.linspace(*reach[plane], size), cores)))
+    names = ("second", "lift_n", "thrust_n")
+    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return ForceMap(plane, first, **joined)
+
+
+def ratios(found: ForceMap, row: pd.Series) -> dict[str, np.ndarray]:
+    """Return lift over weight and thrust over drag of a map, by ``lift`` and ``thrust``."""
+    return {"lift": found.lift_n / row["weight_n"], "thrust": found.thrust_n / row["drag_n"]}
+
+
+def field_table(found: ForceMap, row: pd.Series) -> pa.Table:
+    """Return a force map as a table, one row a point, the optimum in its metadata.
+
+    Parameters
+    ----------
+    found : ForceMap
+        The map.
+    row : Series
+        The optimum through which it goes.
+    """
+    shape = found.lift_n.shape
+    columns = {name: np.full(found.lift_n.size, row[name]) for name in ("x_m", "y_m", "z_m", "phase")}
+    second = FIELD[COORDINATES.index(PLANES[found.plane])].name
+    columns["x_m"] = np.broadcast_to(found.first, shape).ravel()
+    columns[second] = np.broadcast_to(found.second[:, None], shape).ravel()
+    columns |= {"lift_n": found.lift_n.ravel(), "thrust_n": found.thrust_n.ravel()}
+    metadata = provenance("") | {"plane": found.plane} | {name: str(row[name]) for name in OF_THE_OPTIMUM}
+    return pa.table(columns, schema=schema_of(FIELD).with_metadata(metadata))
+
+
+def write_field(found: ForceMap, row: pd.Series, path: Path) -> None:
+    """Write a force map as Parquet, whole or not at all."""
+    with replacing(path) as unfinished:
+        pq.write_table(field_table(found, row), unfinished, **TABLE_OPTIONS | {"write_statistics": True})

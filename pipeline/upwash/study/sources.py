@@ -1,0 +1,245 @@
+"""What the figures draw from: the frames that results folders hold, sorted by the kind of study they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from upwash.aero.bird import Bird
+from upwash.aero.power import COST_FUNCTIONS
+from upwash.batch import columns as of
+from upwash.batch.folder import ResultsFolder
+from upwash.batch.store import GATHERED, ROWS, Damaged, metadata_of, read_table
+from upwash.errors import UpwashError
+from upwash.species.library import LIBRARY_FOLDER, REFERENCE, load_species
+from upwash.study.intervals import KEYS
+from upwash.study.observations import read_observations
+from upwash.study.studies import samples_beside
+
+# What one problem is told from another by, the objective apart.
+PROBLEM = (
+    "species",
+    *(column.name for column in of.INPUTS if column.name not in ("seed", "tolerance", "kind")),
+)
+NUMBERS = tuple(column.name for column in of.INPUTS if column.type == of.FLOAT and column.name in PROBLEM)
+
+# A parameter that is drawn as a line has at least so many values.
+LEAST_VALUES = 3
+
+
+@dataclass(frozen=True)
+class Sources:
+    """The frames that figures take; None where no folder holds such a study.
+
+    Attributes
+    ----------
+    pair : DataFrame or None
+        All optima of one bird, for each objective that was solved: the bird that the paper's figures show.
+    flock : DataFrame or None
+        Flocks, one row a bird.
+    species : DataFrame or None
+        All optima of several species, one problem for each objective and amplitude convention.
+    varied : DataFrame or None
+        All optima of one bird of which one input at a time is varied (and perhaps others).
+    speeds : DataFrame or None
+        All optima of least power of one bird at several airspeeds.
+    samples : DataFrame or None
+        All optima of the same species, their inputs sampled from their ranges.
+    observations : DataFrame
+        What was measured on birds.
+    folders : dict of str to Path
+        Frame -> the folder that it was read from.
+    """
+
+    pair: pd.DataFrame | None
+    flock: pd.DataFrame | None
+    species: pd.DataFrame | None
+    varied: pd.DataFrame | None
+    speeds: pd.DataFrame | None
+    samples: pd.DataFrame | None
+    observations: pd.DataFrame
+    folders: dict[str, Path]
+
+
+@dataclass(frozen=True)
+class Study:
+    """One gathered results folder: its rows, and the metadata of the file that holds them."""
+
+    path: Path
+    kind: str
+    rows: pd.DataFrame
+    metadata: dict[str, str]
+
+
+def read_study(path: Path) -> Study:
+    """Read the gathered rows of a results folder.
+
+    Raises
+    ------
+    UpwashError
+        If there is no such folder, or its jobs have not been gathered.
+    """
+    kind = next((kind for kind, name in GATHERED.items() if (path / name).exists()), "")
+    if not kind:
+        ResultsFolder(path).require()
+        expected = " or ".join(GATHERED.values())
+        raise UpwashError(f"{path}: expected {expected}, found neither; gather it: upwash aggregate {path}")
+    try:
+        table = read_table(path / GATHERED[kind], ROWS[kind])
+    except Damaged as error:
+        raise UpwashError(
+            f"{error}; 'upwash check {path}' says more, running the sweep again mends it"
+        ) from error
+    return Study(path, kind, table.to_pandas(), metadata_of(table.schema))
+
+
+def sort_studies(studies: Iterable[Study]) -> Sources:
+    """Find in some studies the frames that figures take.
+
+    The first study that has a frame gives it; of those that vary inputs, the first that varies the most.
+    """
+    frames: dict[str, pd.DataFrame | None] = {field.name: None for field in fields(Sources)[:6]}
+    folders: dict[str, Path] = {}
+    for study in studies:
+        for name, rows in _frames_of(study).items():
+            if rows is not None and _is_better(name, rows, frames[name]):
+                frames[name], folders[name] = rows, study.path
+    return Sources(**frames, observations=read_observations(), folders=folders)
+
+
+def _frames_of(study: Study) -> dict[str, pd.DataFrame | None]:
+    solved = study.rows[study.rows["status"] == of.SOLVED]
+    if solved.empty:
+        return {}
+    if study.kind == "flock":
+        return {"flock": solved}
+    problems = study.rows.drop_duplicates([*PROBLEM, "objective"])
+    pair = subject(solved)
+    if not problems.duplicated(list(KEYS)).any():
+        is_comparison = problems["species"].nunique() > 1
+        samples = (
+            samples_beside(ResultsFolder(study.path), study.rows, _say_nothing) if is_comparison else None
+        )
+        return {"pair": pair, "species": study.rows if is_comparison else None, "samples": samples}
+    # Of inputs that are sampled all at once no bird stands out that could be shown.
+    inputs = varied_inputs(solved, pair)
+    return {"pair": pair, "varied": solved, "speeds": _at_speeds(inputs)} if inputs else {}
+
+
+def _at_speeds(inputs: dict[str, pd.DataFrame]) -> pd.DataFrame | None:
+    """Return the optima of least power at several airspeeds, if airspeed is among the inputs that are varied."""
+    if "speed_m_s" not in inputs:
+        return None
+    rows = inputs["speed_m_s"]
+    rows = rows[rows["objective"] == "power"]
+    return rows if rows["speed_m_s"].nunique() >= LEAST_VALUES else None
+
+
+def _is_better(name: str, rows: pd.DataFrame, than: pd.DataFrame | None) -> bool:
+    """Whether a frame is to be taken in the place of the one that was found before it, if any."""
+    if than is None or name != "varied":
+        return than is None
+    return len(varied_inputs(rows, subject(rows))) > len(varied_inputs(than, subject(than)))
+
+
+def _say_nothing(_: str) -> None:
+    """Pass over what the tables of the same comparison say already."""
+
+
+def subject(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of the one bird that the figures of a pair show.
+
+    The bird with the most objectives solved; among those the paper's northern bald ibis, the one whose
+    inputs are its species' own, and then the one whose inputs are the commonest, as they are at the centre
+    of a study that varies one at a time.
+    """
+    problems = rows.drop_duplicates([*PROBLEM, "objective"])
+    common = sum((problems[name] == problems[name].mode()[0]).astype(int) for name in NUMBERS)
+    ranked = problems.assign(
+        objectives=problems.groupby(list(PROBLEM), dropna=False)["objective"].transform("size"),
+        is_reference=problems["species"] == REFERENCE,
+        own=_own_inputs(problems),
+        common=common,
+    ).sort_values(["objectives", "is_reference", "own", "common"], ascending=False, kind="stable")
+    return rows[_same_problem(rows, ranked.iloc[0])]
+
+
+def _own_inputs(problems: pd.DataFrame) -> pd.Series:
+    """Return how many inputs of each problem are those of its species in the library."""
+    count = pd.Series(0, index=problems.index)
+    for species, of_it in problems.groupby("species"):
+        path = LIBRARY_FOLDER / f"{species}.toml"
+        if path.exists():
+            own = load_species(path).bird()
+            same = [np.isclose(of_it[name], getattr(own, name)) for name in NUMBERS if hasattr(own, name)]
+            count[of_it.index] = sum(one.astype(int) for one in same)
+    return count
+
+
+def _same_problem(rows: pd.DataFrame, one: pd.Series) -> pd.Series:
+    same = pd.Series(True, index=rows.index)
+    for name in PROBLEM:
+        same &= rows[name] == one[name]
+    return same
+
+
+def varied_inputs(rows: pd.DataFrame, pair: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return for each input that is varied alone, all others being those of a pair, the rows that show it.
+
+    Parameters
+    ----------
+    rows : DataFrame
+        Optima of many problems.
+    pair : DataFrame
+        Those of the one about which inputs vary.
+    """
+    base = pair.iloc[0]
+    # How the amplitude was chosen does not matter, but what it came to.
+    told_apart = [name for name in PROBLEM if name != "amplitude_convention"]
+    differs = pd.DataFrame({name: rows[name] != base[name] for name in told_apart})
+    count = differs.sum(axis=1)
+    found = {}
+    for name in NUMBERS:
+        alone = rows[(count == 0) | ((count == 1) & differs[name])]
+        if alone[name].nunique() >= LEAST_VALUES:
+            found[name] = alone
+    return found
+
+
+def bird_of(row: pd.Series) -> Bird:
+    """Return the bird of a row: the lone leader, which sets weight, drag and circulation."""
+    return Bird(
+        mass_kg=row["mass_kg"],
+        semispan_m=row["semispan_m"],
+        speed_m_s=row["speed_m_s"],
+        period_s=row["period_s"],
+        density_kg_m3=row["density_kg_m3"],
+        gravity_m_s2=row["gravity_m_s2"],
+        amplitude_m=row["leader_amplitude_m"],
+        upstroke_span_ratio=row["leader_upstroke_span_ratio"],
+        circulation_ratio=row["circulation_ratio"],
+    )
+
+
+def objectives_of(rows: pd.DataFrame) -> list[str]:
+    """Return the objectives that rows were solved for, in the order in which figures show them."""
+    return [name for name in COST_FUNCTIONS if (rows["objective"] == name).any()]
+
+
+def best(rows: pd.DataFrame, objective: str) -> pd.Series:
+    """Return the optimum to show of a problem: the V optimum, or where there is none the global one."""
+    of_it = rows[rows["objective"] == objective]
+    in_v = of_it[of_it["is_v_optimum"].fillna(False).astype(bool)]
+    return (in_v if len(in_v) else of_it.sort_values("rank")).iloc[0]
+
+
+@cache
+def common_name(species: str) -> str:
+    """Return a species' name for people: the library's, or the name of its file with blanks."""
+    path = LIBRARY_FOLDER / f"{species}.toml"
+    return load_species(path).common_name if path.exists() else species.replace("-", " ").capitalize()

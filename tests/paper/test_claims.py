@@ -1,0 +1,582 @@
+"""The ledger of the paper's claims: each verdict as it is kept, and none that our numbers could not change."""
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from click.testing import CliRunner
+from renew_claims import PAGE, SWEEPS, kept, page, solved
+from upwash.aero.bird import Bird
+from upwash.batch.store import FLOCK, GATHERED, SOLUTIONS, encode, provenance
+from upwash.cli import main
+from upwash.errors import UpwashError
+from upwash.paper import (
+    CLAIM_COLUMNS,
+    CLAIMS,
+    FAILS,
+    HOLDS,
+    HOLDS_WITH_CONDITION,
+    NOT_RUN,
+    Claim,
+    Evidence,
+    gather_evidence,
+    judge,
+    judge_claims,
+    of_print,
+    of_search,
+)
+from upwash.paper.claim import VERDICTS, at_least, at_most, between, near
+from upwash.paper.evidence import FLOCKS, OBJECTIVES, PAPER_BIRD, READINGS, SPEEDS
+from upwash.report.claims import ledger_markdown, ledger_text
+
+BY_NAME = {claim.name: claim for claim in CLAIMS}
+TEXTS = [column.name for column in CLAIM_COLUMNS if column.type == "text"]
+
+# How a run of SciPy's solver ends depends on its version; the verdict must not.
+OF_THE_SOLVER = {"robust-to-starts", "printed-start"}
+
+
+@pytest.fixture(scope="module")
+def frames():
+    """Rows of the three sweeps that claims are judged by, solved anew."""
+    return {sweep: solved(sweep) for sweep in SWEEPS}
+
+
+@pytest.fixture(scope="module")
+def evidence(frames):
+    return gather_evidence(frames.values())
+
+
+@pytest.fixture(scope="module")
+def ledger(evidence):
+    return judge_claims(evidence).set_index("claim_id", drop=False)
+
+
+def numbers_in(text):
+    return [float(one) for one in re.findall(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", text)]
+
+
+def words_of(text):
+    return re.sub(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", "#", text)
+
+
+class TestKeptLedger:
+    """results/reference/claims.csv and docs/claims.md; `make reference` renews both."""
+
+    def test_every_claim_is_judged_as_kept(self, ledger):
+        before = kept().set_index("claim_id")
+        assert list(ledger.index) == list(before.index)
+        changed = {
+            name: f"{before.loc[name, column]} -> {ledger.loc[name, column]}"
+            for name in ledger.index
+            for column in ("verdict", "exceptions")
+            if ledger.loc[name, column] != before.loc[name, column]
+        }
+        assert changed == {}, "announce it: make reference, and say in CHANGELOG.md what moved"
+
+    def test_our_values_are_the_kept_ones(self, ledger):
+        before = kept().set_index("claim_id")
+        for name in set(ledger.index) - OF_THE_SOLVER:
+            assert ledger.loc[name, "ours"] == pytest.approx(before.loc[name, "ours"], rel=1e-3, abs=1e-6), (
+                name
+            )
+
+    @pytest.mark.parametrize("column", TEXTS)
+    def test_its_words_are_the_kept_ones(self, ledger, column):
+        before = kept().set_index("claim_id", drop=False)
+        for name in set(ledger.index) - OF_THE_SOLVER:
+            now, then = ledger.loc[name, column], before.loc[name, column]
+            assert words_of(now) == words_of(then)
+            # The last digit written may be rounded the other way on another machine.
+            assert numbers_in(now) == pytest.approx(numbers_in(then), rel=5e-2, abs=2e-3), name
+
+    def test_the_page_shows_what_is_kept(self):
+        assert PAGE.read_text(encoding="utf-8") == page()
+
+    def test_it_is_whole(self, ledger):
+        assert len(ledger) >= 30
+        assert ledger.index.is_unique
+        assert set(ledger["verdict"]) <= set(VERDICTS) - {NOT_RUN}
+        for column in ("place", "claim", "printed", "cases", "why"):
+            assert ledger[column].str.len().min() > 0, column
+        assert not ledger["why"].str.contains("[{}\n]").any()
+
+
+class TestVerdict:
+    """A claim holds in every case, in some, or in none."""
+
+    @pytest.fixture
+    def verdict_on(self):
+        def verdict(cases, accepted=None):
+            claim = Claim(
+                "name", "place", "says", "1", "", accepted or near(1.0, 0.1), lambda _: cases, "why"
+            )
+            return judge(claim, Evidence(pd.DataFrame([{"x": 1}])))
+
+        return verdict
+
+    @pytest.mark.parametrize(
+        ("cases", "verdict", "exceptions"),
+        [
+            ({"a": 1.05, "b": 0.95}, HOLDS, ()),
+            ({"a": 1.05, "b": 1.2}, HOLDS_WITH_CONDITION, ("b",)),
+            ({"a": 1.2, "b": 0.8}, FAILS, ("a", "b")),
+            ({"a": math.nan}, FAILS, ("a",)),
+        ],
+    )
+    def test_follows_from_the_cases(self, verdict_on, cases, verdict, exceptions):
+        judged = verdict_on(cases)
+        assert (judged.verdict, judged.exceptions) == (verdict, exceptions)
+
+    @pytest.mark.parametrize(
+        ("accepted", "inside", "outside"),
+        [
+            (near(10.0, 0.5), (9.5, 10.5), (9.49, 10.51)),
+            (between(8.0, 9.0, 1.0), (7.0, 8.5, 10.0), (6.9, 10.1)),
+            (at_most(0.0), (0.0, -1e300), (1e-12,)),
+            (at_least(0.5), (0.5, 1e300), (0.499,)),
+        ],
+    )
+    def test_limits_belong_to_what_is_accepted(self, accepted, inside, outside):
+        assert all(map(accepted.holds, inside))
+        assert not any(map(accepted.holds, outside))
+        assert not accepted.holds(math.inf)
+
+    def test_why_names_our_values_and_other_facts(self):
+        claim = Claim(
+            "name",
+            "",
+            "",
+            "",
+            "",
+            near(1, 1),
+            lambda _: {"a, b": 0.5},
+            "{a, b:.1f} of {all:g}",
+            facts=lambda _: {"all": 7},
+        )
+        assert judge(claim, Evidence(pd.DataFrame([{"x": 1}]))).why == "0.5 of 7"
+
+
+def changed_pair(evidence, change, objectives=OBJECTIVES, label="is_v_optimum"):
+    """Return the evidence with columns of some of the pair's optima changed, each by a function of its value."""
+    pair = evidence.pair.copy()
+    rows = pair["objective"].isin(objectives) & (pair[label].eq(True) if label else True)
+    for name, of in change.items():
+        pair.loc[rows, name] = [of(value) for value in pair.loc[rows, name]]
+    return replace(evidence, pair=pair)
+
+
+def plus(amount):
+    return lambda value: value + amount
+
+
+def times(factor):
+    return lambda value: value * factor
+
+
+def always(constant):
+    return lambda _: constant
+
+
+def changed_flocks(evidence, change):
+    """Return the evidence with each flock changed by a function of its frame."""
+    return replace(evidence, flocks={key: change(flock.copy()) for key, flock in evidence.flocks.items()})
+
+
+def set_birds(**columns):
+    """Return a function that sets columns of a flock to six values, one a bird."""
+
+    def change(flock):
+        for name, values in columns.items():
+            flock[name] = values
+        return flock
+
+    return change
+
+
+def slower_alone(speeds):
+    """Return speeds at which the lone bird's power falls towards the slowest, the follower's towards the fastest."""
+    fastest = speeds["speed_m_s"].max()
+    return speeds.assign(
+        leader_power_total_w=speeds["speed_m_s"] ** 2,
+        power_total_w=speeds["speed_m_s"] * (2 * fastest - speeds["speed_m_s"]) ** 2,
+    )
+
+
+# What is done to our numbers -> the claims that must be judged otherwise for it.
+MUTATIONS = {
+    "half a metre further": (
+        lambda e: changed_pair(e, {"x_m": plus(0.5)}),
+        {"table-1-x", "x-half-wavelength", "path-coherence", "observed-x", "unlike-states-thrust"}
+        | {"optimum-upstream-of-the-change"},
+    ),
+    "a core radius further aside": (
+        lambda e: changed_pair(e, {"y_m": plus(0.12)}),
+        {"table-1-y", "spacing-rule", "spacing-rule-exceeded", "observed-y"},
+    ),
+    "half an amplitude lower": (
+        lambda e: changed_pair(e, {"z_m": plus(-0.5)}),
+        {"table-1-z", "table-1-z-ratio", "observed-z", "thrust-changes-sign"},
+    ),
+    "another stroke": (
+        lambda e: changed_pair(e, {"amplitude_m": times(1.2), "upstroke_span_ratio": times(1.14)}),
+        {
+            "table-1-h",
+            "table-1-h-ratio",
+            "table-1-R",
+            "table-1-R-ratio",
+            "amplitude-reduction",
+            "span-ratio-reduction",
+        },
+    ),
+    "more flexion than amplitude": (
+        lambda e: changed_pair(e, {"amplitude_m": always(1.0), "upstroke_span_ratio": always(0.3)}),
+        {"amplitude-before-flexion"},
+    ),
+    "less flexion": (
+        lambda e: changed_pair(e, {"upstroke_span_ratio": always(0.45)}),
+        {"flexion-reduced"},
+    ),
+    "out of antiphase": (
+        lambda e: changed_pair(e, {"phase": always(0.4)}),
+        {"table-1-phase", "antiphase", "like-states-weightless"},
+    ),
+    "less own force": (
+        lambda e: changed_pair(e, {"lift_self_n": times(0.9), "thrust_self_n": times(0.9)}),
+        {"table-1-lift", "table-1-lift-ratio", "table-1-thrust"},
+    ),
+    "a little more own thrust": (
+        lambda e: changed_pair(e, {"thrust_self_n": times(1.02)}),
+        {"table-1-thrust-ratio"},
+    ),
+    "other powers": (
+        lambda e: changed_pair(e, {"leader_power_total_w": plus(2.0), "power_total_w": plus(1.0)}),
+        {"leader-power", "follower-power"},
+    ),
+    "other savings": (
+        lambda e: changed_pair(
+            e,
+            {"saving_total": plus(-0.2), "saving_induced": plus(-0.2), "saving_profile": plus(-0.3)},
+        ),
+        {"saving-total", "saving-induced", "saving-profile", "saving-as-observed", "both-powers-fall"},
+    ),
+    "no profile power saved": (
+        lambda e: changed_pair(e, {"power_profile_w": plus(10.0)}),
+        {"profile-dominates"},
+    ),
+    "the two costs alike": (
+        lambda e: changed_pair(
+            e,
+            {
+                name: always(e.v("force")[name])
+                for name in ("x_m", "y_m", "z_m", "amplitude_m", "upstroke_span_ratio")
+            }
+            | {
+                name: always(e.v("force")[name])
+                for name in ("saving_total", "saving_induced", "saving_profile")
+            },
+            ["power"],
+        ),
+        {
+            "objectives-alike-position",
+            "objectives-alike-stroke",
+            "objectives-alike-saving",
+            "like-states-drag",
+        },
+    ),
+    "a wake that presses and drags": (
+        lambda e: changed_pair(e, {"lift_wake_n": always(-0.1), "thrust_wake_n": always(-0.1)}),
+        {"lift-and-thrust-assisted", "downstroke-wake-dominates"},
+    ),
+    "the best of all": (
+        lambda e: changed_pair(e, {"cost": times(0.9)}),
+        {"minimum-is-global"},
+    ),
+    "on a bound": (
+        lambda e: changed_pair(e, {"active_bounds": always("y_upper,mu_lower")}),
+        {"robust-to-bounds"},
+    ),
+    "out of balance": (
+        lambda e: changed_pair(e, {"residual_lift": always(1e-4)}),
+        {"balance-at-the-optimum"},
+    ),
+    "a lower proof": (
+        lambda e: changed_pair(e, {"v_lower_bound": times(0.99)}),
+        {"print-attainable"},
+    ),
+    "an uneven flock": (
+        lambda e: changed_flocks(
+            e,
+            set_birds(
+                x_m=[np.nan, 1, 2, 1, 2, 1], phase=[np.nan, 0.5, 0.4, 0.5, 0.5, 0.5], z_m=[np.nan, *[0.1] * 5]
+            ),
+        ),
+        {"flock-regular", "flock-antiphase", "flock-height"},
+    ),
+    "a flock whose benefit decays": (
+        lambda e: changed_flocks(
+            e,
+            set_birds(
+                saving_total=[0.0, 0.15, 0.12, 0.09, 0.06, 0.03],
+                power_total_w=[60.0, 51.0, 52.8, 54.6, 56.4, 58.2],
+                cost=[60.0, 51.0, 52.8, 54.6, 56.4, 58.2],
+                amplitude_m=[1.0, 0.9, 0.8, 0.7, 0.6, 0.5],
+            ),
+        ),
+        {
+            "flock-second-is-best-by-cost",
+            "flock-second-is-best-by-power",
+            "flock-substantial",
+            "flock-no-decay",
+        }
+        | {"flock-saturates", "amplitude-bound"},
+    ),
+    "a faster group": (
+        lambda e: replace(e, speeds=slower_alone(e.speeds)),
+        {"group-speed-of-least-power", "group-speed-of-least-energy"},
+    ),
+}
+
+# Another bird with the same optima: what is computed from the bird itself moves.
+ANOTHER_BIRD = {"mass_kg": 1.5, "leader_amplitude_m": 0.9}
+OF_THE_BIRD = {
+    "table-1-weight",
+    "table-1-drag",
+    "table-1-leader-h",
+    "table-1-leader-z",
+    "print-forces",
+    "print-savings",
+}
+
+# What a mutation of its own, below, is for.
+BY_THEMSELVES = {
+    "circulation-scaling",
+    "product-of-R-and-circulation",
+    "cost-against-amplitude",
+    "passive-upstroke",
+}
+BY_THEMSELVES |= {"print-y", "print-balance", *OF_THE_SOLVER}
+OF_THE_MAPS = {"thrust-map-minimum", "lift-map-minimum", "thrust-varies-more", "benefits-do-not-coincide"}
+OF_THE_MAPS |= {"strong-benefit-is-rare", "behind-the-leader", "lift-above-and-below", "lift-changes-sign"}
+
+
+def outcome(name, evidence):
+    judged = judge(BY_NAME[name], evidence)
+    return judged.verdict, judged.exceptions
+
+
+class TestMutations:
+    """A verdict follows from our numbers: other numbers, another verdict."""
+
+    @pytest.mark.parametrize("mutation", MUTATIONS)
+    def test_changes_what_is_said_of_it(self, evidence, mutation):
+        change, names = MUTATIONS[mutation]
+        changed = change(evidence)
+        unmoved = {name for name in names if outcome(name, changed) == outcome(name, evidence)}
+        assert unmoved == set()
+
+    @pytest.mark.parametrize("name", sorted(OF_THE_BIRD))
+    def test_another_bird(self, evidence, name):
+        changed = changed_pair(
+            evidence, {key: always(value) for key, value in ANOTHER_BIRD.items()}, label=None
+        )
+        assert outcome(name, changed) != outcome(name, evidence)
+
+    def test_no_claim_is_deaf(self):
+        heard = set().union(
+            *(names for _, names in MUTATIONS.values()), OF_THE_BIRD, BY_THEMSELVES, OF_THE_MAPS
+        )
+        assert set(BY_NAME) == heard
+
+    @pytest.mark.parametrize("name", sorted(OF_THE_MAPS - {"lift-changes-sign"}))
+    def test_a_wake_that_lifts_and_pulls_everywhere(self, evidence, monkeypatch, name):
+        original = Evidence.wake_over
+
+        def generous(self, *arguments, **place):
+            lift, thrust = original(self, *arguments, **place)
+            return 10.0 + lift, 10.0 + 0.1 * thrust
+
+        before = outcome(name, evidence)
+        monkeypatch.setattr(Evidence, "wake_over", generous)
+        # A copy has no maps yet.
+        assert outcome(name, replace(evidence)) != before
+
+    def test_a_wake_that_lifts_above_the_leader_alone(self, evidence, monkeypatch):
+        def split(self, objective, plane, x_m, across, **place):
+            return np.asarray(across)[:, None], np.zeros((len(across), 1))
+
+        monkeypatch.setattr(Evidence, "wake_over", split)
+        assert outcome("lift-changes-sign", evidence) == (HOLDS, ())
+
+    @pytest.mark.parametrize(
+        "name", ["circulation-scaling", "passive-upstroke", "product-of-R-and-circulation"]
+    )
+    def test_another_law_of_circulation(self, evidence, monkeypatch, name):
+        law = property(lambda bird: bird.mass_kg**2 / bird.upstroke_span_ratio**3)
+        monkeypatch.setattr(Bird, "circulation_m2_s", law)
+        monkeypatch.setattr(Bird, "lift_span", lambda bird, ratio: 1.0 + (ratio > 0.0))
+        assert outcome(name, evidence) != (HOLDS, ())
+        if name == "product-of-R-and-circulation":
+            assert "lone bird" in outcome(name, evidence)[1]
+
+    def test_a_cost_that_falls_with_amplitude(self, evidence, monkeypatch):
+        monkeypatch.setattr(Bird, "thrust_n", lambda bird, amplitude, ratio: 3.0 - amplitude)
+        assert outcome("cost-against-amplitude", evidence) == (HOLDS, ())
+
+    def test_a_paper_that_prints_one_number(self, evidence, monkeypatch):
+        monkeypatch.setitem(of_print._VARIOUS, "y_F", (0.882, 0.882, 0.882))
+        assert outcome("print-y", evidence) == (HOLDS, ())
+
+    def test_a_paper_that_prints_our_optimum(self, evidence, monkeypatch):
+        ours = evidence.v("force")
+        printed = {"x_F": ours["x_m"], "y_F": ours["y_m"], "z_F": of_print.HEIGHT_OF_LEADER_M + ours["z_m"]}
+        printed |= {"h_F": ours["amplitude_m"], "R_F": ours["upstroke_span_ratio"], "κ_F": 0.5}
+        for symbol, value in printed.items():
+            monkeypatch.setitem(of_print._TABLE, symbol, value)
+        assert outcome("print-balance", evidence) == outcome("print-attainable", evidence) == (HOLDS, ())
+
+    def test_a_solver_that_always_gets_there(self, evidence, monkeypatch):
+        def at_the_optimum(_, objective):
+            row = evidence.v(objective)
+            place = {name: [row[name]] * of_search.STARTS for name in ("x_m", "y_m", "z_m", "cost")}
+            return pd.DataFrame(place), row["cost"]
+
+        monkeypatch.setattr(of_search, "_ends", at_the_optimum)
+        for name in OF_THE_SOLVER:
+            assert outcome(name, evidence) == (HOLDS, ())
+
+
+class TestEvidence:
+    """Found by what was flown, not by where it is stored."""
+
+    def test_the_papers_bird_is_the_librarys(self, frames):
+        from upwash import load_species
+
+        assert load_species("northern-bald-ibis").bird() == PAPER_BIRD
+
+    def test_other_birds_are_passed_over(self, frames, evidence):
+        rows = frames["reproduce"]
+        others = rows.assign(mass_kg=2.0, cost=1.0, job_id="other")
+        found = gather_evidence([pd.concat([others, rows])])
+        assert len(found.pair) == len(evidence.pair)
+
+    def test_a_job_in_two_folders_counts_once(self, frames, evidence):
+        twice = gather_evidence([*frames.values(), *frames.values()])
+        assert len(twice.pair) == len(evidence.pair)
+        assert len(twice.speeds) == len(evidence.speeds)
+
+    @pytest.mark.parametrize("objective", OBJECTIVES)
+    def test_without_one_of_the_two_costs_there_is_no_judging(self, frames, objective):
+        rows = frames["reproduce"]
+        with pytest.raises(UpwashError, match=f"least {objective}, found none"):
+            gather_evidence([rows[rows["objective"] != objective]])
+
+    def test_nothing_at_all_is_said_so(self):
+        with pytest.raises(UpwashError, match="expected the V optimum of the paper's pair"):
+            gather_evidence([])
+
+    @pytest.mark.parametrize("spoil", ["a reading is missing", "a bird has no place", "another shape"])
+    def test_flocks_are_all_there_or_not_used(self, frames, spoil):
+        flocks = frames[FLOCKS].copy()
+        if spoil == "a reading is missing":
+            flocks = flocks[flocks["reading"] != READINGS[1]]
+        elif spoil == "a bird has no place":
+            flocks.loc[flocks["bird"] == 6, "status"] = "infeasible"
+        else:
+            flocks["shape"] = "vee"
+        found = gather_evidence([frames["reproduce"], flocks])
+        judged = judge(BY_NAME["flock-regular"], found)
+        assert (judged.verdict, judged.cases) == (NOT_RUN, {})
+        assert FLOCKS in judged.why
+
+    def test_few_airspeeds_tell_nothing(self, frames):
+        speeds = frames[SPEEDS]
+        few = sorted(speeds["speed_m_s"].unique())[:3]
+        found = gather_evidence([frames["reproduce"], speeds[speeds["speed_m_s"].isin(few)]])
+        assert judge(BY_NAME["group-speed-of-least-power"], found).verdict == NOT_RUN
+
+
+@pytest.fixture
+def results(frames, tmp_path):
+    """A gathered results folder of the pair, with nothing beside it."""
+    return store(frames["reproduce"], SOLUTIONS, tmp_path / "results" / "reproduce", "pair")
+
+
+def store(rows, schema, folder, kind):
+    folder.mkdir(parents=True)
+    records = rows.astype(object).where(rows.notna(), None).to_dict("records")
+    (folder / GATHERED[kind]).write_bytes(encode(records, schema, provenance("text of the sweep")))
+    return folder
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["claims", *map(str, arguments)], prog_name="upwash")
+
+
+class TestCommand:
+    def test_prints_the_ledger_and_keeps_it(self, results):
+        result = run(results)
+        assert result.exit_code == 0, result.output
+        assert f"{len(CLAIMS)} claims: " in result.stdout
+        assert all(name in result.stdout for name in BY_NAME)
+        table = pq.read_table(results / "claims.parquet")
+        assert table.column("claim_id").to_pylist() == list(BY_NAME)
+        assert "code_version" in {key.decode() for key in table.schema.metadata}
+
+    def test_what_it_keeps_says_what_it_is(self, results):
+        run(results)
+        schema = pq.read_schema(results / "claims.parquet")
+        assert schema.names == [column.name for column in CLAIM_COLUMNS]
+        for field in schema:
+            assert field.metadata[b"description"]
+            assert b"unit" in field.metadata
+        assert schema.field("ours").type == pa.float64()
+
+    def test_without_flocks_and_airspeeds_those_claims_are_not_run(self, results):
+        found = pd.DataFrame(json.loads(run(results, "--json").stdout, parse_constant=pytest.fail))
+        assert set(found.loc[found["verdict"] == NOT_RUN, "claim_id"]) == {
+            claim.name for claim in CLAIMS if claim.needs != "pair"
+        }
+        assert found.loc[found["verdict"] == NOT_RUN, "ours"].isna().all()
+
+    def test_folders_beside_it_are_read(self, results, frames, ledger):
+        store(frames[FLOCKS], FLOCK, results.parent / FLOCKS, "flock")
+        store(frames[SPEEDS], SOLUTIONS, results.parent / SPEEDS, "pair")
+        found = pd.DataFrame(json.loads(run(results, "--json").stdout))
+        assert found["verdict"].tolist() == ledger["verdict"].tolist()
+
+    @pytest.mark.parametrize("what", ["no folder", "no results", "another bird"])
+    def test_a_mistake_is_one_line_and_exit_2(self, frames, tmp_path, what):
+        folder = tmp_path / "other"
+        if what == "no results":
+            folder.mkdir()
+        elif what == "another bird":
+            store(frames["reproduce"].assign(mass_kg=2.0), SOLUTIONS, folder, "pair")
+        result = run(folder)
+        assert (result.exit_code, result.stdout) == (2, "")
+        assert len(result.stderr.splitlines()) == 1
+        assert str(folder) in result.stderr
+        assert not (folder / "claims.parquet").exists()
+
+
+class TestWriting:
+    def test_text_explains_what_does_not_simply_hold(self, ledger):
+        lines = ledger_text(ledger).splitlines()
+        for row in ledger.itertuples():
+            explained = [line for line in lines if line.startswith(f"{row.claim_id}: ")]
+            assert len(explained) == (row.verdict != HOLDS)
+            for line in explained:
+                assert line.endswith(row.why)
+                assert (f"(not so: {row.exceptions})" in line) == (row.verdict == HOLDS_WITH_CONDITION)
+
+    def test_markdown_has_a_line_for_every_claim(self, ledger):
+        lines = ledger_markdown(ledger).splitlines()
+        for row in ledger.itertuples():
+            cells = row.claim.replace("|", r"\|")
+            assert sum(line.startswith(f"| {cells} ({row.place})") for line in lines) == 1, row.claim_id
