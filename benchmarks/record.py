@@ -7,8 +7,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pyarrow as pa
-from upwash.batch.columns import INTEGER, TEXT, Column
 from upwash.batch.store import code_version, encode, schema_of, write_atomic
+from upwash.columns import INTEGER, TEXT, Column
 
 from benchmarks import machine
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 from upwash.aero.bird import Bird
-from upwash.batch.columns import INTEGER, TEXT, TRUTH, Column
 from upwash.batch.store import schema_of
+from upwash.columns import INTEGER, TEXT, TRUTH, Column
 from upwash.optimum import PairSolution, solve_pair
 
 from benchmarks.wake_force import IBIS

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from upwash.batch.columns import (
+from upwash.cli import main
+from upwash.columns import (
     FLOCK_COLUMNS,
     FLOCK_SUMMARY_COLUMNS,
     SOLUTIONS_COLUMNS,
@@ -22,7 +23,6 @@ from upwash.batch.columns import (
     TEXT,
     TRUTH,
 )
-from upwash.cli import main
 from upwash.species.library import find_species
 from upwash.sweep import read_sweep
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 from click.testing import CliRunner
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.cli import main
 from upwash.sweep import read_sweep
 
@@ -69,7 +69,7 @@ class TestJson:
     def test_holds_the_inputs_once_and_every_bird(self, record):
         assert (record["birds"], record["shape"], record["reading"]) == (3, "vee", "lone")
         assert [one["bird"] for one in record["flock"]] == [1, 2, 3]
-        assert {"leader_amplitude_m", *(column.name for column in of.SOLUTION)} <= set(record["flock"][2])
+        assert {"leader_amplitude_m", *of.names(of.belonging(of.JOB, of.OPTIMUM))} <= set(record["flock"][2])
         assert "mass_kg" not in record["flock"][2]
 
     def test_holds_what_taking_turns_brings(self, record):

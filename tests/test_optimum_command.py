@@ -4,7 +4,7 @@ import json
 
 import pytest
 from click.testing import CliRunner
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.cli import main
 from upwash.errors import UpwashError
 from upwash.sweep import read_sweep
@@ -69,10 +69,10 @@ class TestPrints:
         assert "left wingtip down on right tip of upstroke ring (leader up)" in text
 
     def test_json_is_the_columns_of_the_results(self, record):
-        of_the_job = [column.name for column in (*of.OUTCOME, *of.INPUTS, *of.CERTIFICATE)]
-        assert list(record) == [*of_the_job, "solve_time_s", "optima"]
-        of_an_optimum = [column.name for column in of.SOLUTION if column.name != "solve_time_s"]
-        assert all(list(one) == of_an_optimum for one in record["optima"])
+        of_the_job = of.names(of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.EFFORT, of.PROOF))
+        assert list(record) == [*of_the_job, "optima"]
+        of_an_optimum = of.names(of.belonging(of.JOB, of.OPTIMUM))
+        assert all(tuple(one) == of_an_optimum for one in record["optima"])
         assert [one["rank"] for one in record["optima"]] == list(range(len(record["optima"])))
         assert record["job_id"] == job(objective="power").job_id
 

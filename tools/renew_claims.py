@@ -9,9 +9,9 @@ import re
 from pathlib import Path
 
 import pandas as pd
-from upwash.batch.columns import FLOAT
 from upwash.batch.job import run_job
 from upwash.batch.store import ROWS, table_of
+from upwash.columns import FLOAT
 from upwash.paper import CLAIM_COLUMNS, gather_evidence, judge_claims
 from upwash.paper.evidence import FLOCKS, SPEEDS
 from upwash.paper.ledger import NOISE

@@ -15,11 +15,12 @@ from pathlib import Path
 import pandas as pd
 from upwash.report.figures.catalogue import draw
 from upwash.report.figures.drawing import save
-from upwash.report.species_tables import NO_V, SAVING, with_interval
+from upwash.report.species_tables import NO_V, OURS, with_interval
 from upwash.report.table import Table
 from upwash.study.comparison import OBJECTIVES
 from upwash.study.mechanism import STATEMENTS
 from upwash.study.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
+from upwash.study.quantities import SAVING
 from upwash.study.sources import common_name
 
 PAGE = Path(__file__).parents[1] / "docs" / "comparison.md"
@@ -56,7 +57,7 @@ def savings(compared: pd.DataFrame) -> Table:
     for problem in PROBLEMS:
         of_problem = [rows.loc[(species, *problem)] for species in loading.index]
         frame[", ".join(problem)] = [
-            with_interval(row, *SAVING["saving %"]) if row["has_v"] else NO_V for row in of_problem
+            with_interval(row, SAVING[0]) if row["has_v"] else NO_V for row in of_problem
         ]
     return Table("", frame, {"W/(ρ b² U²)": ".3f"})
 
@@ -86,9 +87,7 @@ def measurements(observed: pd.DataFrame) -> Table:
     for _, row in chosen.iterrows():
         what = f"{row['quantity'].replace('_', ' ')}, {row['unit']}".removesuffix(", 1")
         key = (common_name(row["species"]), row["study"], what, _published(row))
-        lines.setdefault(key, {})[row["objective"]] = (
-            f"{with_interval(row, 'ours', 1.0, '.3g')} {row['verdict']}"
-        )
+        lines.setdefault(key, {})[row["objective"]] = f"{with_interval(row, OURS)} {row['verdict']}"
     heads = ("species", "study", "quantity", "measured")
     return Table("", pd.DataFrame([dict(zip(heads, key, strict=True)) | ours for key, ours in lines.items()]))
 

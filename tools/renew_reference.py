@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pandas as pd
 import pyarrow as pa
-from upwash.batch.compare import COLUMNS
+from upwash import columns as of
 from upwash.batch.store import SUMMARY, read_table
 
 ROOT = Path(__file__).parents[1]
@@ -28,9 +28,9 @@ def as_csv(summary: pa.Table) -> str:
     """Write what is compared of a summary as CSV: one line a column, one column a job."""
     jobs = summary.to_pylist()
     lines = [
-        {"column": name, "unit": COLUMNS[name].unit, **{job["objective"]: job[name] for job in jobs}}
+        {"column": name, "unit": of.column(name).unit, **{job["objective"]: job[name] for job in jobs}}
         for name in summary.column_names
-        if COLUMNS[name].agreement.compared
+        if name == "job_id" or of.column(name).agreement.compared
     ]
     return pd.DataFrame(lines).to_csv(index=False, lineterminator="\n")
 

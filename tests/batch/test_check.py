@@ -5,7 +5,7 @@ import json
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch import store
 from upwash.batch.check import of_rows
 from upwash.batch.folder import ResultsFolder
@@ -19,8 +19,8 @@ RECOMPUTED = [
     *("saving_induced", "saving_profile", "saving_total", "cost", "cost_leader"),
 ]
 SOLUTION = ["x_m", "y_m", "z_m", "amplitude_m", "upstroke_span_ratio"]
-IDENTITY = ["job_id", "flock_id", *(c.name for c in (*of.INPUTS, *of.FLOCK_INPUTS)), "species", "objective"]
-INPUTS = [c.name for c in of.INPUTS if c.type == of.FLOAT]
+IDENTITY = of.names(column for column in of.COLUMNS if column.verified == of.IDENTITY)
+INPUTS = [c.name for c in of.belonging(of.PROBLEM, of.SEARCH) if c.type == of.FLOAT]
 
 
 @pytest.fixture

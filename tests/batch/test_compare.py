@@ -6,8 +6,8 @@ from collections import Counter
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from upwash.batch import columns as of
-from upwash.batch.compare import COLUMNS, excess
+from upwash import columns as of
+from upwash.batch.compare import excess
 
 
 def copied(reproduced, folder, change=lambda row: None):
@@ -78,7 +78,7 @@ class TestDiff:
         _, said = bench("diff", "results/sweep", "results/sweep", code=2)
         assert "found 1 not gathered yet" in said and len(said.splitlines()) == 1
 
-    @pytest.mark.parametrize("column", COLUMNS.values(), ids=COLUMNS)
+    @pytest.mark.parametrize("column", of.COLUMNS, ids=of.names(of.COLUMNS))
     def test_absence_and_presence_never_agree(self, column):
         value = {of.FLOAT: 1.0, of.INTEGER: 1, of.TEXT: "a", of.TRUTH: True}[column.type]
         assert excess([None, value, None], [value, value, None], column).tolist() == [float("inf"), 0.0, 0.0]

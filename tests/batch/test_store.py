@@ -11,7 +11,7 @@ import sys
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch import store
 from upwash.batch.job import encode, run_job
 from upwash.errors import UpwashError

@@ -3,7 +3,7 @@
 import pyarrow as pa
 import pytest
 from click.testing import CliRunner
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.check import of_rows
 from upwash.batch.compare import compare
 from upwash.batch.job import solve

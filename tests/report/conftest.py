@@ -2,7 +2,7 @@
 
 import pandas as pd
 import pytest
-from upwash.batch import columns as of
+from upwash import columns as of
 
 IBIS = {
     "species": "northern-bald-ibis",

@@ -8,10 +8,10 @@ from hashlib import sha256
 
 import pandas as pd
 import pyarrow as pa
+from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.interaction import wake_force
 from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
-from upwash.batch import columns as of
 from upwash.batch.folder import Plan, ResultsFolder
 from upwash.batch.store import GATHERED, ROWS, SUMMARIES, TableWriter, provenance, table_of
 from upwash.batch.summary import summary_of

@@ -9,9 +9,9 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 from upwash import load_species
-from upwash.batch.columns import FAILED, SOLVED
 from upwash.batch.store import SOLUTIONS
 from upwash.cli import main
+from upwash.columns import FAILED, SOLVED
 from upwash.study.comparison import compare, compare_objectives
 from upwash.study.intervals import LEAST_SAMPLES, intervals, outside_of_samples
 from upwash.study.mechanism import STATEMENTS, count_species, mechanism

@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 import renew_comparison
 from click.testing import CliRunner
-from upwash.batch.columns import INFEASIBLE, SOLVED
 from upwash.cli import main
+from upwash.columns import INFEASIBLE, SOLVED
 from upwash.species.library import library_paths
 from upwash.study.comparison import compare
 from upwash.study.mechanism import count_species, mechanism

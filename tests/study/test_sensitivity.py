@@ -5,8 +5,8 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-from upwash.batch.columns import FAILED, INFEASIBLE, SOLVED
 from upwash.batch.store import SOLUTIONS
+from upwash.columns import FAILED, INFEASIBLE, SOLVED
 from upwash.errors import UpwashError
 from upwash.report.species_tables import sensitivity_tables
 from upwash.species import load_species

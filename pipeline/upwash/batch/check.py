@@ -13,12 +13,13 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.folder import SUMMARY, ResultsFolder
 from upwash.batch.job import Row, bounds_of, job_of, recompute
 from upwash.batch.store import GATHERED, ROWS, SUMMARIES, Damaged, noticing, open_table
 from upwash.batch.summary import summary_of
 from upwash.errors import UpwashError
+from upwash.sweep.job import BUILT_IN_SOLVER
 
 RESIDUAL_LIMIT = 1e-9
 """Largest imbalance of lift or thrust, over weight or drag."""
@@ -28,15 +29,6 @@ RECOMPUTED = of.Agreement(relative=1e-9, absolute=1e-9)
 
 BOUND_SLACK = 1e-9
 """How far beyond a bound a variable may lie, over the width between its bounds: rounding."""
-
-# Not every optimum has these.
-MAY_BE_ABSENT = {"error", "v_lower_bound", "v_certified_gap", "global_lower_bound", "global_certified_gap"}
-MAY_BE_ABSENT |= {"certificate_boxes", "v_wall", "feasible", "multiplier_lift", "multiplier_thrust"}
-MAY_BE_ABSENT |= {"core_edges", "stationarity", "curvature"}
-
-# A flock's first bird follows none.
-OF_A_FOLLOWER = {"x_m", "y_m", "z_m", "phase", "rank", "hits", "starts", "placement", "tier", "station"}
-OF_A_FOLLOWER |= {"is_v_optimum", "is_global_optimum", "active_bounds", "solve_time_s"}
 
 
 @dataclass(frozen=True)
@@ -193,16 +185,25 @@ def outcome(rows: Sequence[Row]) -> Complaints:
         if row["status"] == of.SOLVED:
             if row["error"] is not None:
                 yield "error", f"expected none in a solved row, found {row['error']!r}"
-            absent = MAY_BE_ABSENT | (OF_A_FOLLOWER if row.get("bird") == 1 else set())
             has_none = row["rank"] is None and "optima_found" in row
-            for column in of.SOLUTION if not has_none else ():
-                if row[column.name] is None and column.name not in absent:
+            for column in of.COLUMNS if not has_none else ():
+                if row.get(column.name, "") is None and not _may_lack(row, column):
                     yield column.name, "expected a value in a solved row, found none"
         else:
             if not row["error"]:
                 yield "error", f"expected to learn why the row is {row['status']}, found nothing"
             if row["x_m"] is not None:
                 yield "x_m", f"expected no solution in a row that is {row['status']}, found one"
+
+
+def _may_lack(row: Row, column: of.Column) -> bool:
+    leads, is_own = row.get("bird") == 1, row["solver"] != BUILT_IN_SOLVER
+    return {
+        of.NEVER: False,
+        of.LEADING: leads,
+        of.UNREPORTED: leads or is_own,
+        of.SOMETIMES: True,
+    }[column.absent]
 
 
 def numbers(rows: Sequence[Row]) -> Complaints:

@@ -10,22 +10,13 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.folder import SUMMARY, ResultsFolder
 from upwash.batch.store import GATHERED, ROWS, SUMMARIES, Damaged, read_table
 from upwash.errors import UpwashError
 
-# Inputs that set how a job is solved, and not what its answer is.
-OF_THE_SOLVER = ("seed", "tolerance", "solver")
-KEY = ("species", "objective") + tuple(
-    column.name for column in (*of.INPUTS, *of.FLOCK_INPUTS) if column.name not in OF_THE_SOLVER
-)
-COLUMNS = {
-    column.name: column for column in (*of.FLOCK_COLUMNS, *of.FLOCK_SUMMARY_COLUMNS, *of.SUMMARY_COLUMNS)
-}
-COLUMNS_OF_A_BIRD = {column.name: column for column in of.FLOCK_COLUMNS}
-# Ids follow from the inputs and the model's version, which may differ.
-IDS = ("job_id", "flock_id")
+# How a job is to be solved is no part of what is asked.
+KEY = of.names(of.belonging(of.PROBLEM, of.FLOCK))
 # Inputs are equal if they print the same to so many digits.
 KEY_DIGITS = 12
 
@@ -118,8 +109,9 @@ def compare(first: pa.Table, second: pa.Table) -> Comparison:
     shared = [key for key in keys if key in other_places]
     left = first.take(pa.array([places[key] for key in shared], pa.int64()))
     right = second.take(pa.array([other_places[key] for key in shared], pa.int64()))
-    columns = COLUMNS_OF_A_BIRD if "bird" in first.column_names else COLUMNS
-    differences = [_difference(left, right, columns[name]) for name in first.column_names if name not in IDS]
+    known = of.FLOCK_COLUMNS if "bird" in first.column_names else of.COLUMNS
+    compared = [column for column in known if column.name in first.column_names]
+    differences = [_difference(left, right, column) for column in compared]
     return Comparison(
         len(shared),
         _jobs(first, [place for key, place in places.items() if key not in other_places]),

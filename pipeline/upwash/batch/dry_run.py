@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.folder import SUMMARY, ResultsFolder, Shard, entry_of
 from upwash.batch.index import Index, Known, gathered_files, read_index, read_singles
 from upwash.batch.progress import duration
@@ -122,9 +122,8 @@ class _Earlier:
 def _inputs(folder: ResultsFolder, job_ids: set[str]) -> Iterable[dict[str, Any]]:
     from upwash.batch.store import ROWS, Damaged, open_table
 
-    names = [column.name for column in (*of.OUTCOME, *of.INPUTS)]
-    if folder.kind() == "flock":
-        names += [column.name for column in of.FLOCK_INPUTS]
+    asked = of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.FLOCK)
+    names = [name for name in of.names(asked) if name in ROWS[folder.kind()].names]
     paths = [*gathered_files(folder), *(folder.job_file(job_id) for job_id in job_ids & folder.job_ids())]
     for path in paths if job_ids else ():
         try:

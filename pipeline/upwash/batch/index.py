@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.folder import GATHERED, RETIRED, Journals, ResultsFolder
 
 if TYPE_CHECKING:

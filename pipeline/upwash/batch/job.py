@@ -16,7 +16,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch import store
 from upwash.sweep.job import BUILT_IN_SOLVER, INPUTS
 from upwash.sweep.job import Job as Job
@@ -170,7 +170,7 @@ def _solve_pair(job: Job) -> tuple[str, str, list[Row]]:
     solution = solve_pair(bird, job.objective, model=_model(job), seed=job.seed, tolerance=job.tolerance)
     if solution.status == of.SOLVED:
         return of.SOLVED, "", solution.rows()
-    proof = {column.name: getattr(solution.proof, column.name) for column in of.CERTIFICATE}
+    proof = {name: getattr(solution.proof, name) for name in of.names(of.belonging(of.PROOF))}
     error = "no balance: no position within the bounds balances lift and thrust"
     return solution.status, error, [proof | {"solve_time_s": solution.solve_time_s}]
 

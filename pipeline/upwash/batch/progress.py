@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import TextIO
 
-from upwash.batch import columns as of
+from upwash import columns as of
 
 LINES = 20
 """Plain lines in all, at least, when the output is no terminal."""

@@ -19,7 +19,7 @@ from typing import IO, TYPE_CHECKING, Any, TextIO
 
 from joblib import Parallel, delayed
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.folder import Entry, Plan, ResultsFolder, Shard, journal_line
 from upwash.batch.index import Index, Known, read_index
 from upwash.batch.job import Result, encode, failed_rows, needs_compiling, run_batch

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.folder import Shard
 from upwash.batch.index import Known
 

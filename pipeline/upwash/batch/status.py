@@ -6,7 +6,7 @@ import time
 from collections import Counter
 from dataclasses import dataclass
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.folder import RECENT, Journals, ResultsFolder, entry_of
 from upwash.batch.index import Known, read_index
 

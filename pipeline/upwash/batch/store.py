@@ -18,7 +18,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from upwash import __version__
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.folder import GATHERED as GATHERED
 from upwash.errors import UpwashError
 

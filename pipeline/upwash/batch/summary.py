@@ -6,13 +6,8 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.batch.store import FLOCK_SUMMARY, SUMMARY
-
-# What is true of the job and not of its V optimum, so that it stands in the row of a job that has none.
-OF_THE_JOB = ("solve_time_s", "weight_n", "drag_n", "cost_leader") + tuple(
-    column.name for column in of.SOLUTION if column.name.startswith("leader_")
-)
 
 
 def summary_of(rows: pa.Table, kind: str) -> pa.Table:
@@ -44,12 +39,12 @@ def _pairs(rows: pa.Table, starts: NDArray[np.intp]) -> pa.Table:
     chosen[job[is_v]] = np.flatnonzero(is_v)
     has_v = is_v[chosen]
     summary = rows.take(chosen)
-    for column in of.SOLUTION:
-        if column.name not in OF_THE_JOB:
-            place = summary.schema.get_field_index(column.name)
-            values = summary.column(place).combine_chunks()
-            only_v = pa.compute.if_else(has_v, values, pa.scalar(None, values.type))
-            summary = summary.set_column(place, summary.schema.field(place), only_v)
+    # What is true of the job stands in the row of one that has no V optimum too.
+    for name in of.names(of.belonging(of.OPTIMUM)):
+        place = summary.schema.get_field_index(name)
+        values = summary.column(place).combine_chunks()
+        only_v = pa.compute.if_else(has_v, values, pa.scalar(None, values.type))
+        summary = summary.set_column(place, summary.schema.field(place), only_v)
     # The best of a job comes first.
     gap = pa.array(cost[chosen] / cost[starts] - 1.0, mask=~has_v)
     found = np.add.reduceat(rows.column("rank").is_valid().to_numpy().astype(np.int64), starts)

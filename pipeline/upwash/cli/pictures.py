@@ -102,7 +102,7 @@ def field(plane: str, optimum: str, size: int, output: Path, json_output: bool, 
 
 def _optimum(label: str, chosen: dict[str, Any]) -> pd.Series:
     """Solve one bird's pair and return the optimum asked for."""
-    from upwash.batch.columns import SOLVED
+    from upwash.columns import SOLVED
     from upwash.errors import UpwashError
     from upwash.report.answer import answer
 
@@ -153,7 +153,7 @@ def animate(birds: int, shape: str, output: Path, **chosen: Any) -> None:
     Example:
       upwash animate northern-bald-ibis --birds 6 --output ibises.gif
     """
-    from upwash.batch.columns import SOLVED
+    from upwash.columns import SOLVED
     from upwash.errors import UpwashError
     from upwash.report.animation import check_ending, write_animation
 

@@ -12,12 +12,6 @@ import click
 FAILED_EXIT = 1
 FINDINGS_SHOWN = 20
 
-# What tells a job's optima, or a flock's birds, from one another.
-OF_AN_OPTIMUM: tuple[str, ...]
-OF_AN_OPTIMUM = ("bird", "leader", "rank", "is_v_optimum", "x_m", "y_m", "z_m", "amplitude_m", "phase")
-OF_AN_OPTIMUM += ("upstroke_span_ratio", "cost", "saving_total", "residual_lift", "residual_thrust")
-OF_AN_OPTIMUM += ("placement", "tier", "station")
-
 as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 results = click.argument("results", metavar="RESULTS")
 
@@ -228,7 +222,7 @@ def show(results: str, job: str, as_json: bool) -> None:
     Example:
       upwash show results/reproduce 20f1
     """
-    from upwash.batch.compare import COLUMNS
+    from upwash import columns as of
     from upwash.batch.folder import ResultsFolder
     from upwash.batch.lookup import rows_of
 
@@ -236,10 +230,14 @@ def show(results: str, job: str, as_json: bool) -> None:
     if as_json:
         _print_json(rows)
         return
-    table = [name for name in OF_AN_OPTIMUM if name in rows[0]]
-    for name, value in rows[0].items():
+    columns = [column for column in of.COLUMNS if column.name in rows[0]]
+    table = [column.name for column in columns if of.OPTIMA in column.listed]
+    # What tells the optima apart comes first.
+    table.sort(key=lambda name: of.column(name).verified not in (of.CHAIN, of.RANKING))
+    for column in columns:
+        name, value = column.name, rows[0][column.name]
         if name not in table and value not in (None, "") and all(row[name] == value for row in rows):
-            unit = COLUMNS[name].unit if COLUMNS[name].unit != "1" else ""
+            unit = column.unit if column.unit != "1" else ""
             click.echo(f"{name:28}{_cell(value)} {unit}".rstrip())
     shown = [name for name in table if any(row[name] is not None for row in rows)]
     lines = [shown, *([_cell(row[name]) for name in shown] for row in rows)] if shown else []

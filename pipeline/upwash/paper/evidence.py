@@ -13,11 +13,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.field_map import PLANES, force_map
 from upwash.aero.interaction import state_forces
 from upwash.aero.wake import WakeModel
-from upwash.batch import columns as of
 from upwash.errors import UpwashError
 from upwash.optimum.problem import STREAMWISE_REACH
 from upwash.paper.printed import Row

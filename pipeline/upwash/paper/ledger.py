@@ -8,8 +8,8 @@ from typing import Any
 
 import pandas as pd
 
-from upwash.batch.columns import TEXT, Column
 from upwash.batch.store import encode, provenance, schema_of, write_atomic
+from upwash.columns import TEXT, Column
 from upwash.paper import (
     of_flock,
     of_forces,

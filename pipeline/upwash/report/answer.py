@@ -7,11 +7,11 @@ from typing import Any
 
 import pandas as pd
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.report.tables import GLOBAL, V, basins, best_optima, both_optima, words_of
 
-OF_THE_JOB = (*of.OUTCOME, *of.INPUTS, *of.CERTIFICATE)
-SOLVE_TIME = "solve_time_s"
+OF_THE_JOB = of.names(of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.EFFORT, of.PROOF))
+OF_AN_OPTIMUM = of.names(of.belonging(of.JOB, of.OPTIMUM))
 
 
 def answer(rows: pd.DataFrame, show_all: bool = False) -> str:
@@ -67,12 +67,7 @@ def job_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     Returns
     -------
     dict
-        What is true of the job by column, ``solve_time_s``, and under ``optima`` the columns of each optimum.
+        What is true of the job by column, and under ``optima`` the columns of each optimum.
     """
-    optima = [
-        {column.name: row[column.name] for column in of.SOLUTION if column.name != SOLVE_TIME}
-        for row in rows
-        if row["rank"] is not None
-    ]
-    names = [*(column.name for column in OF_THE_JOB), SOLVE_TIME]
-    return {**{name: rows[0][name] for name in names}, "optima": optima}
+    optima = [{name: row[name] for name in OF_AN_OPTIMUM} for row in rows if row["rank"] is not None]
+    return {**{name: rows[0][name] for name in OF_THE_JOB}, "optima": optima}

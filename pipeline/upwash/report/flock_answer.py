@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from upwash.batch import columns as of
+from upwash import columns as of
 from upwash.optimum.rotation import take_turns
-from upwash.report.table import ABSENT, Table
+from upwash.report.table import ABSENT, Table, shown
 from upwash.report.tables import PROVED_BUT_FOR_ROUNDING, words_of
 
 READINGS = {
@@ -18,8 +18,20 @@ READINGS = {
 }
 WAKES = {"neighbour": "the wake of the bird ahead", "all-upstream": "the wakes of all birds ahead"}
 
-OF_THE_BIRD = ("leader_amplitude_m", "leader_upstroke_span_ratio")
-"""Inputs of a flock's job that each of its rows states of the bird that its own bird follows."""
+INPUTS = of.names(of.belonging(of.PROBLEM, of.SEARCH, of.FLOCK))
+"""What is asked of a flock."""
+
+
+OF_A_BIRD = tuple(
+    column
+    for column in of.FLOCK_COLUMNS
+    if (column.belongs == of.BIRD and column.head)
+    or (column.verified == of.FOUND and column.absent == of.NEVER)
+)
+"""Where a bird flies in its flock, and its stroke."""
+
+SAVINGS = sorted((column for column in of.FLOCK_COLUMNS if column.percent), key=lambda one: not one.listed)
+"""What it saves: in all, and then its parts."""
 
 
 def flock_answer(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> str:
@@ -48,20 +60,11 @@ def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
     """
     first, placed = rows.iloc[0], rows[rows["status"] == of.SOLVED]
     cost = 100.0 * placed["cost"] / placed["cost_leader"]
-    columns = {
-        "bird": placed["bird"],
-        "follows": placed["leader"].astype("Int64"),
-        **{f"{axis} m": placed[f"{axis}_flock_m"] for axis in "xyz"},
-        "phase": placed["phase_flock"],
-        "h m": placed["amplitude_m"],
-        "R": placed["upstroke_span_ratio"],
-        "cost %": cost,
-        "saving %": 100.0 * placed["saving_total"],
-        "induced %": 100.0 * placed["saving_induced"],
-        "profile %": 100.0 * placed["saving_profile"],
-    }
-    formats = {"x m": ".3f", "y m": ".3f", "z m": "+.3f", "phase": ".3f", "h m": ".4f", "R": ".4f"}
-    formats |= {"cost %": ".2f", "saving %": ".2f", "induced %": ".2f", "profile %": ".2f"}
+    placed = placed.astype({"leader": "Int64"})
+    place, formats = shown(placed, OF_A_BIRD)
+    savings, more = shown(placed, SAVINGS)
+    columns = {**place, "cost %": cost, **savings}
+    formats |= {"cost %": ".2f", **more}
     notes = []
     if chain is None:
         columns["proof"] = placed.apply(_proof, axis=1)
@@ -110,11 +113,11 @@ def flock_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
         The job's inputs by column, under ``flock`` the other columns of each bird, and under ``turns`` what
         taking turns brings, by size.
     """
-    inputs = [column.name for column in (*of.INPUTS, *of.FLOCK_INPUTS)]
-    shared = {"job_id", "species", "objective", "flock_id", *inputs} - set(OF_THE_BIRD)
+    # A stroke is also that of the bird that a row's bird follows.
+    shared = {"job_id", "flock_id", *INPUTS} - set(of.STROKE_AHEAD)
     savings = [row["saving_total"] for row in rows if row["status"] == of.SOLVED]
     return {
-        **{name: rows[0][name] for name in ("job_id", "species", "objective", *inputs)},
+        **{name: rows[0][name] for name in ("job_id", *INPUTS)},
         "flock": [{name: value for name, value in row.items() if name not in shared} for row in rows],
         "turns": [vars(one) for one in take_turns(savings)],
     }

@@ -18,6 +18,7 @@ import jinja2
 import markupsafe
 import pandas as pd
 
+from upwash import columns as of
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.store import write_atomic
 from upwash.paper.ledger import FILE
@@ -39,26 +40,9 @@ LONG = 40
 CODE = 'from upwash.report.figures import draw; draw("{name}", "{folder}").savefig("{name}.pdf")'
 """The line that makes a figure."""
 
-# What a table of all jobs shows of each, if the results have it.
-OF_A_JOB = (
-    "species",
-    "objective",
-    "amplitude_convention",
-    "status",
-    "x_m",
-    "y_m",
-    "z_m",
-    "phase",
-    "saving_total",
-    "v_gap",
-    "birds",
-    "shape",
-    "wake",
-    "reading",
-    "birds_placed",
-    "saving_total_mean",
-    "solve_time_s",
-    "job_id",
+# What a table of all jobs shows of each, if the results have it; its long id comes last.
+OF_A_JOB = sorted(
+    (column.name for column in of.COLUMNS if of.JOBS in column.listed), key=lambda name: name == "job_id"
 )
 
 

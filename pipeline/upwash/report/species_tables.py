@@ -2,55 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import pandas as pd
 
+from upwash.columns import Column
 from upwash.report.table import ABSENT, Table, cell
 from upwash.study.mechanism import STATEMENTS
 from upwash.study.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
-from upwash.study.quantities import ALIKE, GROUPS
-
-# Head of a column -> quantity, factor and format of its numbers.
-POSITION = {
-    "x/λ": ("x_wavelengths", 1.0, ".3f"),
-    "x/b": ("x_semispans", 1.0, ".2f"),
-    "y/b": ("y_semispans", 1.0, ".3f"),
-    "z/h_L": ("z_amplitudes", 1.0, ".3f"),
-}
-SAVING = {
-    "saving %": ("saving_total", 100.0, ".1f"),
-    "induced %": ("saving_induced", 100.0, ".1f"),
-    "profile %": ("saving_profile", 100.0, ".1f"),
-}
-STROKE = {
-    "amplitude less by %": ("amplitude_reduction", 100.0, ".1f"),
-    "span ratio less by %": ("span_ratio_reduction", 100.0, ".1f"),
-}
-GAP = {"gap %": ("v_gap", 100.0, ".2f")}
+from upwash.study.quantities import ALIKE, COMPARED, GAP, GROUPS, POSITION, QUANTITIES, SAVING, STROKE
 
 THE_PAPER = "arXiv:2602.22043"
 NO_V = "no V"
 INTERVALS = "in brackets: 5 % and 95 % quantiles of the samples from each species' own ranges"
-HEADS = {
-    "weight_number": "W/(ρ b² U²)",
-    "wavelength_number": "λ/b",
-    "amplitude_number": "h_L/b",
-    "leader_upstroke_span_ratio": "R_L",
-}
 
 
-def with_interval(row: pd.Series, name: str, factor: float, spec: str) -> str:
-    """Write a quantity and, if it has one, its interval: ``11.4 [9.0, 13.2]``."""
-    written = cell(factor * row[name], spec)
-    ends = [factor * row[f"{name}_{end}"] for end in ("low", "high")]
+OURS = Column("ours", "", "what we find", format=".3g")
+
+
+def with_interval(row: pd.Series, column: Column, name: str = "", spec: str = "") -> str:
+    """Write a quantity and, if it has one, its interval: ``11.4 [9.0, 13.2]``.
+
+    `name` is where it stands and `spec` how it is written, if not as the column says.
+    """
+    name, spec = name or column.name, spec or column.format
+    written = cell(column.factor * row[name], spec)
+    ends = [column.factor * row[f"{name}_{end}"] for end in ("low", "high")]
     if written == ABSENT or any(map(pd.isna, ends)):
         return written
     return f"{written} [{', '.join(cell(end, spec) for end in ends)}]"
 
 
-def _written(frame: pd.DataFrame, columns: dict[str, tuple[str, float, str]]) -> dict[str, list[str]]:
+def _written(frame: pd.DataFrame, columns: Iterable[Column]) -> dict[str, list[str]]:
+    """Return the written cells of those columns that are for people, by their heads."""
     return {
-        head: [with_interval(row, name, factor, spec) for _, row in frame.iterrows()]
-        for head, (name, factor, spec) in columns.items()
+        column.heading: [with_interval(row, column) for _, row in frame.iterrows()]
+        for column in columns
+        if COMPARED in column.listed
     }
 
 
@@ -65,9 +53,9 @@ def comparison_tables(compared: pd.DataFrame) -> list[Table]:
     tables = []
     for (objective, convention), group in compared.groupby(["objective", "amplitude_convention"], sort=False):
         frame = pd.DataFrame(
-            {"species": group["species"], **_written(group, POSITION | SAVING)}
+            {"species": group["species"], **_written(group, POSITION + SAVING)}
             | {"alike %": [_alike(row) for _, row in group.iterrows()]}
-            | {**_written(group, STROKE | GAP), "remark": group["remark"].replace("", ABSENT)}
+            | {**_written(group, STROKE + GAP), "remark": group["remark"].replace("", ABSENT)}
         )
         notes = [
             f"alike: what all the optima in a V save that cost the same to within {ALIKE:.1%}",
@@ -97,10 +85,7 @@ def overview_table(compared: pd.DataFrame) -> Table:
     problems = compared["objective"] + ", " + compared["amplitude_convention"]
     written = compared.assign(
         problem=problems,
-        written=[
-            with_interval(row, *SAVING["saving %"]) if row["has_v"] else NO_V
-            for _, row in compared.iterrows()
-        ],
+        written=[with_interval(row, SAVING[0]) if row["has_v"] else NO_V for _, row in compared.iterrows()],
     ).pivot(index="species", columns="problem", values="written")
     frame = written.fillna(ABSENT).rename_axis(columns=None).reset_index()
     notes = [f"{NO_V}: there is no V optimum; the next tables say why"]
@@ -112,11 +97,14 @@ def overview_table(compared: pd.DataFrame) -> Table:
 def intervals_table(ends: pd.DataFrame) -> Table:
     """Return the intervals alone, from `upwash.study.intervals.intervals` with its index as columns."""
     shown = {
-        head: [
-            f"{cell(factor * row[f'{name}_low'], spec)} to {cell(factor * row[f'{name}_high'], spec)}"
+        column.heading: [
+            " to ".join(
+                cell(column.factor * row[f"{column.name}_{end}"], column.format) for end in ("low", "high")
+            )
             for _, row in ends.iterrows()
         ]
-        for head, (name, factor, spec) in (POSITION | SAVING | STROKE | GAP).items()
+        for column in QUANTITIES
+        if COMPARED in column.listed
     }
     frame = pd.DataFrame({**ends[["species", "objective", "amplitude_convention"]], **shown})
     return Table(f"5 % to 95 % quantiles over the samples: {_samples(ends)}", frame)
@@ -145,9 +133,12 @@ def groups_table(compared: pd.DataFrame) -> Table:
     by_force = compared[compared["objective"] == "force"].sort_values(
         ["amplitude_convention", "weight_number"], kind="stable"
     )
-    frame = by_force[[*keys, *(column.name for column in GROUPS)]].rename(columns=HEADS)
-    for head, name in (("x/b", "x_semispans"), ("y/b", "y_semispans"), ("z/b", "z_semispans")):
-        frame[head] = by_force[name]
+    frame = by_force[[*keys, *(column.name for column in GROUPS)]].rename(
+        columns={column.name: column.head for column in GROUPS}
+    )
+    for column in POSITION:
+        if column.name.endswith("_semispans") and column.head:
+            frame[column.head] = by_force[column.name]
     frame["force saved %"] = 100.0 * by_force["saving_cost"]
     formats = dict.fromkeys(frame.columns, ".3f") | {"force saved %": ".2f"}
     return Table("The four groups, and the force-optimal V that follows from them alone", frame, formats)
@@ -164,10 +155,14 @@ def objectives_tables(changes: pd.DataFrame) -> list[Table]:
     tables = []
     for convention, group in changes.groupby("amplitude_convention", sort=False):
         shown = {
-            f"Δ {head}": (f"{name}_change", factor, f"+{spec}")
-            for head, (name, factor, spec) in (POSITION | SAVING | STROKE | GAP).items()
+            f"Δ {column.heading}": [
+                with_interval(row, column, f"{column.name}_change", f"+{column.format}")
+                for _, row in group.iterrows()
+            ]
+            for column in QUANTITIES
+            if COMPARED in column.listed
         }
-        frame = pd.DataFrame({"species": group["species"], **_written(group, shown)})
+        frame = pd.DataFrame({"species": group["species"], **shown})
         title = f"By power less by force, amplitude by {convention}"
         notes = ("Δ of a percentage is in percentage points", INTERVALS)
         tables.append(Table(title, frame, notes=notes if "[" in frame.to_string() else notes[:1]))
@@ -234,9 +229,7 @@ def _side_by_side(compared: pd.DataFrame) -> pd.DataFrame:
             "basis": compared["basis"],
             "published": [_published(row) for _, row in compared.iterrows()],
             "problem": compared["objective"] + ", " + compared["amplitude_convention"],
-            "ours": [
-                f"{with_interval(row, 'ours', 1.0, '.3g')} {row['verdict']}" for _, row in compared.iterrows()
-            ],
+            "ours": [f"{with_interval(row, OURS)} {row['verdict']}" for _, row in compared.iterrows()],
         }
     )
     keys = [name for name in shown.columns if name not in ("problem", "ours")]

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from upwash.batch.columns import INTEGER, Column
 from upwash.batch.folder import Plan, ResultsFolder
 from upwash.batch.store import (
     Damaged,
@@ -22,6 +21,7 @@ from upwash.batch.store import (
     schema_of,
     write_atomic,
 )
+from upwash.columns import INTEGER, Column
 from upwash.errors import UpwashError
 from upwash.report import species_tables as show
 from upwash.report.table import Table

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from upwash.columns import Column
+
 NUMBER = "#.5g"
 ABSENT = "-"
 UNIT = "unit"
@@ -104,6 +106,15 @@ class Table:
             )
             for name in self.frame.columns
         ]
+
+
+def shown(
+    rows: pd.DataFrame, columns: Iterable[Column]
+) -> tuple[dict[str, pd.Series], dict[str, str | Sequence[str]]]:
+    """Return columns of results as people are shown them, and the formats of their numbers, both by their heads."""
+    columns = list(columns)
+    values = {one.heading: one.factor * rows[one.name] if one.percent else rows[one.name] for one in columns}
+    return values, {one.heading: one.format for one in columns if one.format}
 
 
 def cell(value: Any, spec: str = "") -> str:

@@ -11,10 +11,11 @@ from typing import Any
 
 import pandas as pd
 
+from upwash import columns as of
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.batch.check import RESIDUAL_LIMIT
 from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1, Row
-from upwash.report.table import Table, cell
+from upwash.report.table import Table, cell, shown
 from upwash.study.quantities import with_quantities
 
 V, GLOBAL = "V optimum", "global optimum"
@@ -238,18 +239,14 @@ def basins(rows: pd.DataFrame) -> Table:
     edges = sorted({edge for text in rows["core_edges"] for edge in split(text)})
     letters = {edge: _letters(number) for number, edge in enumerate(edges)}
     unit = COST_FUNCTIONS[rows["objective"].iloc[0]].unit
+    found, places = shown(rows, (column for column in of.SOLUTIONS_COLUMNS if column.verified == of.FOUND))
     frame = pd.DataFrame(
         {
             "rank": rows["rank"].astype(int),
             "": ["V" if is_v else "" for is_v in rows["is_v_optimum"].astype(bool)],
             f"cost {unit}": rows["cost"],
             "above %": 100.0 * (rows["cost"] / best - 1.0),
-            "x m": rows["x_m"],
-            "y m": rows["y_m"],
-            "z m": rows["z_m"],
-            "h m": rows["amplitude_m"],
-            "R": rows["upstroke_span_ratio"],
-            "κ": rows["phase"],
+            **found,
             "placement": rows["placement"],
             "tier": rows["tier"],
             "station": rows["station"],
@@ -259,7 +256,6 @@ def basins(rows: pd.DataFrame) -> Table:
             "stationarity": rows["stationarity"],
         }
     )
-    places = dict.fromkeys(["x m", "y m", "z m", "h m", "R", "κ"], ".4f")
     formats = {f"cost {unit}": "#.6g", "above %": ".3f", "stationarity": ".0e", **places}
     count = f"{len(rows)} local optima of {words_of(rows['objective'].iloc[0])}"
     notes = [f"{letter}: {edge}" for edge, letter in letters.items()]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from upwash.batch.columns import INTEGER, SOLVED, TEXT, TRUTH, Column
+from upwash.columns import INTEGER, SOLVED, TEXT, TRUTH, Column
 from upwash.study.intervals import BIRD, COUNTS, KEYS, ends_of, interval_columns, intervals
 from upwash.study.quantities import ALIKE, GROUPS, QUANTITIES, optima_of_jobs
 

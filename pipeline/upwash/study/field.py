@@ -11,9 +11,10 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from upwash import columns as of
 from upwash.aero.field_map import COORDINATES, PLANES, ForceMap, force_map
-from upwash.batch.columns import Column
 from upwash.batch.store import TABLE_OPTIONS, provenance, replacing, schema_of
+from upwash.columns import Column
 from upwash.optimum.problem import STREAMWISE_REACH
 from upwash.study.sources import bird_of
 
@@ -21,34 +22,14 @@ SPANWISE = 3.0
 """Reach of a map to the side, in semispans."""
 
 FIELD = (
-    Column("x_m", "m", "follower downstream of its leader"),
-    Column("y_m", "m", "follower right of its leader"),
-    Column("z_m", "m", "follower above its leader"),
-    Column("phase", "1", "follower's lag behind its leader, in wingbeats"),
+    *(of.column(name) for name in ("x_m", "y_m", "z_m", "phase")),
     Column("lift_n", "N", "vertical force on the follower, its own and the wake's"),
     Column("thrust_n", "N", "thrust of the follower, its own and the wake's, positive upstream"),
 )
 """Columns of a force map, one row a point."""
 
 # What a map is of: kept in its file's metadata, so that forces can be scaled and the optimum found.
-OF_THE_OPTIMUM = (
-    "species",
-    "objective",
-    "is_v_optimum",
-    "x_m",
-    "y_m",
-    "z_m",
-    "phase",
-    "amplitude_m",
-    "upstroke_span_ratio",
-    "weight_n",
-    "drag_n",
-    "semispan_m",
-    "speed_m_s",
-    "period_s",
-    "leader_amplitude_m",
-    "leader_upstroke_span_ratio",
-)
+OF_THE_OPTIMUM = of.names(of.belonging(of.PROBLEM, of.JOB, of.OPTIMUM, among=of.SOLUTIONS_COLUMNS))
 
 
 def plane_through(row: pd.Series, plane: str, size: int) -> ForceMap:

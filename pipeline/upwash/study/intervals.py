@@ -10,13 +10,13 @@ from collections.abc import Iterable, Sequence
 
 import pandas as pd
 
-from upwash.batch.columns import FAILED, FLOAT, INPUTS, INTEGER, Column
+from upwash.columns import FAILED, FLOAT, INTEGER, PROBLEM, Column, belonging
 from upwash.study.quantities import QUANTITIES
 
 KEYS = ("species", "objective", "amplitude_convention")
 """What tells the problems of a comparison apart."""
 
-BIRD = tuple(column.name for column in INPUTS if column.type == FLOAT and column.name != "tolerance")
+BIRD = tuple(column.name for column in belonging(PROBLEM) if column.type == FLOAT)
 """The bird and its air: what a study of uncertainty samples, or what follows from that."""
 
 LOW, HIGH = 0.05, 0.95

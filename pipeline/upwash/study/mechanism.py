@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from upwash.batch.columns import INTEGER, TEXT, TRUTH, Column
+from upwash.columns import INTEGER, TEXT, TRUTH, Column
 from upwash.study.comparison import NAMES
 from upwash.study.intervals import HIGH, KEYS, LEAST_SAMPLES, LOW
 from upwash.study.quantities import optima_of_jobs

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from upwash.batch.columns import TEXT, Column
+from upwash.columns import TEXT, Column
 from upwash.errors import UpwashError
 from upwash.species.library import LIBRARY_FOLDER
 from upwash.study.comparison import NAMES

@@ -6,48 +6,105 @@ bird is its four dimensionless groups, on which alone a force-optimal pair depen
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+
 import numpy as np
 import pandas as pd
 
-from upwash.batch.columns import CERTIFICATE, INPUTS, OUTCOME, Column
+from upwash import columns as of
+from upwash.columns import Column
+
+COMPARED = "comparison of species"
+"""The list of quantities in which species are compared for people."""
+
+_group = partial(Column, unit="1", format=".3f")
+_position = partial(Column, unit="1", format=".3f")
+_share = partial(Column, unit="1", format=".1f", percent=True)
 
 GROUPS = (
-    Column("weight_number", "1", "W/(rho b^2 U^2), twice the lift coefficient over the aspect ratio"),
-    Column("wavelength_number", "1", "lambda/b, wavelength of the wake in semispans"),
-    Column("amplitude_number", "1", "h_L/b, leader's amplitude in semispans"),
-    Column("leader_upstroke_span_ratio", "1", "R_L, leader's upstroke span over downstroke span"),
+    _group(
+        "weight_number",
+        description="W/(rho b^2 U^2), twice the lift coefficient over the aspect ratio",
+        head="W/(ρ b² U²)",
+    ),
+    _group("wavelength_number", description="lambda/b, wavelength of the wake in semispans", head="λ/b"),
+    _group("amplitude_number", description="h_L/b, leader's amplitude in semispans", head="h_L/b"),
+    _group(
+        "leader_upstroke_span_ratio",
+        description="R_L, leader's upstroke span over downstroke span",
+        head="R_L",
+    ),
 )
 """The four groups on which a force-optimal pair depends."""
 
 POSITION = (
-    Column("x_wavelengths", "1", "follower downstream of its leader, in wavelengths"),
-    Column("x_semispans", "1", "follower downstream of its leader, in semispans"),
-    Column("y_semispans", "1", "follower right of its leader, in semispans"),
-    Column("tip_spacing_semispans", "1", "gap between the two wingtips, in semispans; overlap negative"),
-    Column("z_semispans", "1", "follower above its leader, in semispans"),
-    Column("z_amplitudes", "1", "follower above its leader, in the leader's amplitudes"),
-    Column("phase", "1", "follower's lag behind its leader, in wingbeats"),
-    Column("path_phase", "1", "lag behind the path of the leader's wingtip, in wingbeats; 0 retraces it"),
-)
-
-SAVING = (
-    Column("saving_total", "1", "share of the leader's total power saved"),
-    Column("saving_induced", "1", "share of the leader's induced power saved"),
-    Column("saving_profile", "1", "share of the leader's profile power saved"),
-    Column("profile_share", "1", "share of the power saved that is profile power"),
-    Column("saving_cost", "1", "share of the leader's cost saved, the cost being the objective's"),
-)
-
-STROKE = (
-    Column("amplitude_reduction", "1", "1 - h_F/h_L, by how much less far the follower flaps"),
-    Column(
-        "span_ratio_reduction",
-        "1",
-        "1 - R_F/R_L, by how much more the follower flexes its wing on the upstroke",
+    _position(
+        "x_wavelengths",
+        description="follower downstream of its leader, in wavelengths",
+        head="x/λ",
+        listed=(COMPARED,),
+    ),
+    _position(
+        "x_semispans",
+        description="follower downstream of its leader, in semispans",
+        head="x/b",
+        format=".2f",
+        listed=(COMPARED,),
+    ),
+    _position(
+        "y_semispans",
+        description="follower right of its leader, in semispans",
+        head="y/b",
+        listed=(COMPARED,),
+    ),
+    _position(
+        "tip_spacing_semispans", description="gap between the two wingtips, in semispans; overlap negative"
+    ),
+    _position("z_semispans", description="follower above its leader, in semispans", head="z/b"),
+    _position(
+        "z_amplitudes",
+        description="follower above its leader, in the leader's amplitudes",
+        head="z/h_L",
+        listed=(COMPARED,),
+    ),
+    of.column("phase"),
+    _position(
+        "path_phase", description="lag behind the path of the leader's wingtip, in wingbeats; 0 retraces it"
     ),
 )
 
-GAP = (Column("v_gap", "1", "cost of the V optimum over that of the best optimum found, less 1"),)
+SAVING = (
+    *(
+        replace(of.column(f"saving_{part}"), format=".1f", listed=(COMPARED,))
+        for part in ("total", "induced", "profile")
+    ),
+    _share("profile_share", description="share of the power saved that is profile power"),
+    _share("saving_cost", description="share of the leader's cost saved, the cost being the objective's"),
+)
+
+STROKE = (
+    _share(
+        "amplitude_reduction",
+        description="1 - h_F/h_L, by how much less far the follower flaps",
+        head="amplitude less by",
+        listed=(COMPARED,),
+    ),
+    _share(
+        "span_ratio_reduction",
+        description="1 - R_F/R_L, by how much more the follower flexes its wing on the upstroke",
+        head="span ratio less by",
+        listed=(COMPARED,),
+    ),
+)
+
+GAP = (
+    replace(
+        of.column("v_gap"),
+        description="cost of the V optimum over that of the best optimum found, less 1",
+        listed=(COMPARED,),
+    ),
+)
 
 QUANTITIES = (*POSITION, *SAVING, *STROKE, *GAP)
 """What a V optimum is compared by; each can have an uncertainty interval."""
@@ -58,8 +115,8 @@ ALIKE = 1e-3
 # What is true of the job and not of one of its optima.
 OF_THE_JOB = tuple(
     column.name
-    for column in (*OUTCOME, *INPUTS, *CERTIFICATE)
-    if column.name not in ("job_id", "leader_upstroke_span_ratio")
+    for column in of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.PROOF)
+    if column.name not in ("job_id", *of.names(GROUPS))
 )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from upwash.batch.columns import FAILED, INTEGER, TEXT, Column
+from upwash.columns import FAILED, INTEGER, TEXT, Column
 from upwash.errors import UpwashError
 from upwash.study.comparison import NAMES
 from upwash.study.intervals import BIRD, KEYS

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.power import COST_FUNCTIONS
-from upwash.batch import columns as of
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.store import GATHERED, ROWS, Damaged, metadata_of, read_table
 from upwash.errors import UpwashError
@@ -22,11 +22,8 @@ from upwash.study.observations import read_observations
 from upwash.study.studies import samples_beside
 
 # What one problem is told from another by, the objective apart.
-PROBLEM = (
-    "species",
-    *(column.name for column in of.INPUTS if column.name not in ("seed", "tolerance", "kind")),
-)
-NUMBERS = tuple(column.name for column in of.INPUTS if column.type == of.FLOAT and column.name in PROBLEM)
+PROBLEM = tuple(name for name in of.names(of.belonging(of.PROBLEM)) if name != "objective")
+NUMBERS = tuple(column.name for column in of.belonging(of.PROBLEM) if column.type == of.FLOAT)
 
 # A parameter that is drawn as a line has at least so many values.
 LEAST_VALUES = 3
