@@ -118,7 +118,7 @@ class TestRefuses:
         [
             ("speed", "NAME=VALUE"),
             ("speed=12", "did you mean 'speed_m_s'"),
-            ("stroke_states=3", "expected an input"),
+            ("stroke_states=3", "more serve maps of forces"),
             ("speed_m_s=", "positive, finite number"),
             ("speed_m_s=fast", "'fast'"),
             ("mass_kg=-1", "'-1'"),

@@ -170,9 +170,7 @@ class TestChecks:
 
     def test_a_job_that_fails_is_exit_1(self, tmp_path, monkeypatch):
         sweep = tmp_path / "sweep.toml"
-        sweep.write_text(
-            'species = "northern-bald-ibis"\nsolver = "no_such_module:solve"\n', encoding="utf-8"
-        )
+        sweep.write_text('species = "northern-bald-ibis"\nsolver = "json:loads"\n', encoding="utf-8")
         monkeypatch.setattr(module, "SWEEP", str(sweep))
         result = again(tmp_path / "results" / "reproduce", "--results", "failing")
         assert (result.exit_code, result.stdout) == (1, "")

@@ -95,7 +95,7 @@ class TestCheck:
     def test_warns_of_an_unusual_dimensionless_group(self, tmp_path):
         path = tmp_path / "bird.toml"
         slow = file_of("northern-bald-ibis").replace("value = 15.0\n", "value = 7.0\n")
-        path.write_text(slow.replace("low = 12.0\n", "low = 4.0\n"), encoding="utf-8")
+        path.write_text(slow.replace("low = 12.0\n", "low = 6.0\n"), encoding="utf-8")
         result = species("check", str(path))
         assert result.exit_code == 0
         assert "W/(rho b^2 U^2): expected 0.03 to 0.4" in result.stderr

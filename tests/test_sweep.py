@@ -125,8 +125,8 @@ class TestValues:
         assert (job.leader_amplitude_m, job.amplitude_convention) == (0.9, "given")
 
     def test_the_resolution_of_the_wake_may_vary(self, jobs):
-        found = jobs(IBIS + "[grid]\nstroke_states = [2, 4]\ncore_radius_ratio = [0.1, 0.171]\n")
-        assert {(job.stroke_states, job.core_radius_ratio) for job in found} == {
+        found = jobs(IBIS + "[grid]\nspan_nodes = [2, 4]\ncore_radius_ratio = [0.1, 0.171]\n")
+        assert {(job.span_nodes, job.core_radius_ratio) for job in found} == {
             (2, 0.1),
             (2, 0.171),
             (4, 0.1),

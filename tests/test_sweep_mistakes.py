@@ -61,7 +61,7 @@ MALFORMED = [
     (IBIS + "[grid]\nmass_kg = { linspace = [1, 2, 9999999999] }\n", 3, "count"),
     (IBIS + "[grid]\nmass_kg = { geomspace = [-1, 2, 3] }\n", 3, "positive"),
     (IBIS + "[grid]\nmass_kg = { linspce = [1, 2, 3] }\n", 3, "linspce"),
-    (IBIS + "[grid]\nstroke_states = [2, 2.5]\n", 3, "whole numbers"),
+    (IBIS + "[grid]\nspan_nodes = [2, 2.5]\n", 3, "a whole number"),
     (IBIS + "[zip]\nmass_kg = [1, 2]\nspeed_m_s = [12, 13, 14]\n", 2, "mass_kg 2, speed_m_s 3"),
     (IBIS + "[fixed]\nmass_kg = 1\n[grid]\nmass_kg = [1, 2]\n", 5, "fixed"),
     (IBIS + "[sample]\ncount = 4\n", 2, "method"),

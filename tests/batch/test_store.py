@@ -180,7 +180,7 @@ class TestRowsOfAnyKind:
             ("exiting", "SystemExit: 3"),
             ("unknown_column", "ValueError: rows: expected columns of the schema, found wingspan_in_feet"),
             ("wrong_type", "ArrowInvalid"),
-            ("not_there", "AttributeError"),
+            ("not_there", "UpwashError: expected a function not_there in stub_solvers, found none"),
         ],
     )
     def test_whatever_goes_wrong_is_a_row_with_inputs_seed_and_error(self, job, solver, error):

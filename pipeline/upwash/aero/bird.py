@@ -12,9 +12,11 @@ from dataclasses import dataclass, field
 
 from upwash.aero.checked import check_fields, must_be, positive, ratio, within
 
-# A bird is far from these ends; beyond them products of inputs lose digits, and then overflow or vanish.
-_SOME = must_be(positive & within(1e-9, 1e9, "beyond, a computer's numbers give out: look at the unit"))
-_SHARE = must_be(ratio & within(1e-9, 1.0, "less is no span"))
+REACH = positive & within(1e-9, 1e9, "no bird comes near these ends: look at the unit")
+"""What any quantity of a bird must be, in SI units; beyond, products of inputs lose digits, overflow or vanish."""
+
+_SOME = must_be(REACH)
+_SHARE = must_be(ratio & REACH)
 
 
 @dataclass(frozen=True)

@@ -149,6 +149,11 @@ def at_most(most: float, why: str = "") -> Rule:
     return Rule(f"at most {most:.12g}{_because(why)}", lambda value: value <= most)
 
 
+def below(limit: float, why: str = "") -> Rule:
+    """Return the rule that a number is less than another, and why."""
+    return Rule(f"below {limit:.4g}{_because(why)}", lambda value: value < limit)
+
+
 def whole_from(least: int, most: float = math.inf, why: str = "") -> Rule:
     """Return the rule of a whole number of at least `least`, and of at most `most` for a reason.
 

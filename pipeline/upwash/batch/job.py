@@ -12,7 +12,6 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from upwash import columns as of
 from upwash.batch import store
 from upwash.sweep.job import BUILT_IN_SOLVER, INPUTS
 from upwash.sweep.job import Job as Job
+from upwash.sweep.solver import own_solver
 
 Row = dict[str, Any]
 
@@ -136,8 +136,7 @@ def solver_of(job: Job) -> Callable[[Job], tuple[str, str, list[Row]]]:
     """
     if job.solver == BUILT_IN_SOLVER:
         return _solve_pair if job.kind == "pair" else _solve_flock
-    module, _, function = job.solver.partition(":")
-    return getattr(import_module(module), function)
+    return own_solver(job.solver)
 
 
 def needs_compiling(job: Job) -> bool:

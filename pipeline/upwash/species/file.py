@@ -10,6 +10,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from upwash.aero.checked import finite, positive
 from upwash.errors import UpwashError
 from upwash.species.allometry import AS_IBIS, RULES
 from upwash.species.quantity import BASES, FORMATION_SHAPES, QUANTITIES, Formation, Kind, Quantity
@@ -222,16 +223,13 @@ class _Reader:
             raise self.error(f"[{name}]", f"{key} = a number", "no such key", remedy)
         unit = self.choice(table, "unit", kind.units, f"[{name}]")
         value = table[key]
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise self.error(
-                where, kind.expected, printable(value), f"write a number in {unit}, without quotes"
-            )
-        try:
-            converted = float(value) / kind.units[unit]
-        except OverflowError:
-            converted = math.inf
-        if not kind.allows(converted):
-            raise self.error(where, kind.expected, printable(value), f"correct it; the unit is {unit}")
+        if finite.broken_by(value):
+            remedy = f"write a number in {unit}, without quotes"
+            raise self.error(where, positive.words, printable(value), remedy)
+        converted = float(value) / kind.units[unit]
+        if expected := kind.rule.broken_by(converted):
+            found = f"{value} {unit}" if unit != kind.unit else printable(value)
+            raise self.error(where, expected, found, f"correct it; the unit is {unit}")
         return converted
 
     def sample(self, table: Mapping[str, Any], where: str) -> int | None:
@@ -277,10 +275,10 @@ class _Reader:
             )
         value = rule.formula(*(known[need].value for need in rule.needs))
         low, high = value * (1.0 - rule.spread), value * (1.0 + rule.spread)
-        if not kind.allows(high):
-            raise self.error(
-                where, kind.expected, f"{value:.4g} +{rule.spread:.0%}", "state a value and its range instead"
-            )
+        for end in (low, high):
+            if expected := kind.rule.broken_by(end):
+                found = f"{value:.4g} ±{rule.spread:.0%}"
+                raise self.error(where, expected, found, "state a value and its range instead")
         return Quantity(value, kind.unit, low, high, "computed", f"{rule.source}: {rule.words}", rule_name)
 
     def formation(self, content: Mapping[str, Any]) -> Formation | None:

@@ -7,6 +7,7 @@ is almost always a unit slip: grams taken for kilograms, centimetres for metres.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 
@@ -26,6 +27,8 @@ class Group:
         Why these limits.
     look_at : str
         The quantities to look at when a limit is broken.
+    inputs : tuple of str
+        The bird's inputs that it is made of; none if a bird does not tell it.
     """
 
     symbol: str
@@ -33,6 +36,7 @@ class Group:
     possible: tuple[float, float]
     reason: str
     look_at: str
+    inputs: tuple[str, ...] = ()
 
 
 GROUPS = {
@@ -43,6 +47,7 @@ GROUPS = {
         possible=(0.003, 1.0),
         reason="twice lift coefficient over aspect ratio: usual for 0.2 to 1.2 over 13 to 6",
         look_at="mass, wingspan and speed",
+        inputs=("mass_kg", "gravity_m_s2", "density_kg_m3", "semispan_m", "speed_m_s"),
     ),
     "wavelength_number": Group(
         symbol="lambda/b",
@@ -50,6 +55,7 @@ GROUPS = {
         possible=(0.5, 100.0),
         reason="a cruising bird advances one to seven wingspans in a wingbeat",
         look_at="speed, wingbeat_frequency and wingspan",
+        inputs=("speed_m_s", "period_s", "semispan_m"),
     ),
     "amplitude_number": Group(
         symbol="h/b",
@@ -57,6 +63,7 @@ GROUPS = {
         possible=(0.05, 2.0),
         reason="it is twice the sine of the half-angle: usual for 9 to 64 degrees, at most 2",
         look_at="stroke_half_angle",
+        inputs=("amplitude_m", "semispan_m", "stroke_half_angle_deg"),
     ),
     "upstroke_span_ratio": Group(
         symbol="R",
@@ -71,6 +78,7 @@ GROUPS = {
         possible=(0.01, 3.0),
         reason="cruising birds lie at 0.2 to 0.4, or somewhat below (Taylor et al. 2003 Nature 425:707)",
         look_at="wingbeat_frequency, stroke_half_angle and speed",
+        inputs=("amplitude_m", "speed_m_s", "period_s", "semispan_m", "stroke_half_angle_deg"),
     ),
     "aspect_ratio": Group(
         symbol="B^2/S",
@@ -82,7 +90,28 @@ GROUPS = {
 }
 
 
-def outside(groups: dict[str, float], limits: str) -> list[str]:
+def groups_of(inputs: Mapping[str, float]) -> dict[str, float]:
+    """Return the groups that a bird's inputs tell, with or without its amplitude.
+
+    Parameters
+    ----------
+    inputs : mapping
+        The fields of `upwash.aero.bird.Bird`, in SI units.
+    """
+    semispan, wavelength = inputs["semispan_m"], inputs["speed_m_s"] * inputs["period_s"]
+    weight = inputs["mass_kg"] * inputs["gravity_m_s2"]
+    groups = {
+        "weight_number": weight / (inputs["density_kg_m3"] * semispan**2 * inputs["speed_m_s"] ** 2),
+        "wavelength_number": wavelength / semispan,
+    }
+    if "amplitude_m" in inputs:
+        groups["amplitude_number"] = inputs["amplitude_m"] / semispan
+        groups["upstroke_span_ratio"] = inputs["upstroke_span_ratio"]
+        groups["strouhal"] = inputs["amplitude_m"] / wavelength
+    return groups
+
+
+def outside(groups: Mapping[str, float], limits: str) -> list[str]:
     """Say which of a bird's groups lie outside their limits, and why that is odd.
 
     Parameters

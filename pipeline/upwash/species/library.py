@@ -96,6 +96,12 @@ def load_species(name_or_path: str | os.PathLike[str]) -> Species:
     )
     for sentence in outside(species.groups(), "possible"):
         raise UpwashError(f"{path}: {sentence}")
+    for name, ends in species.ranges().items():
+        for end in ends:
+            try:
+                species.bird("stroke-angle", **{name: end})
+            except UpwashError as error:
+                raise UpwashError(f"{path}: at an end of its range: {error}") from error
     return species
 
 

@@ -5,7 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from upwash.aero.bird import REACH
+from upwash.aero.checked import Rule, at_most, below
 from upwash.species.allometry import AS_IBIS
+
+HALF_ANGLE_DEG = REACH & at_most(90.0, "the wingtips meet there")
+"""What half of a wing's stroke angle must be, in degrees."""
 
 BASES = {
     "measured": "on birds of this species, by the work cited",
@@ -67,12 +72,8 @@ class Kind:
     ----------
     units : dict
         Unit -> how many of it make one SI unit. The first unit is the SI one.
-    below : float
-        Values lie between 0 and this, both excluded unless `below_included`.
-    below_included : bool
-        Whether `below` itself is allowed.
-    why : str
-        Why there is a `below`, or "".
+    rule : Rule
+        What a value must be, in the SI unit.
     rules : tuple of str
         Rules that may fill it, by name.
     optional : bool
@@ -80,9 +81,7 @@ class Kind:
     """
 
     units: dict[str, float]
-    below: float = math.inf
-    below_included: bool = False
-    why: str = ""
+    rule: Rule = REACH
     rules: tuple[str, ...] = ()
     optional: bool = False
 
@@ -90,18 +89,6 @@ class Kind:
     def unit(self) -> str:
         """The SI unit."""
         return next(iter(self.units))
-
-    @property
-    def expected(self) -> str:
-        """What a value must be, in words."""
-        if self.below == math.inf:
-            return "a positive, finite number"
-        end = "at most" if self.below_included else "below"
-        return f"a number above 0 and {end} {self.below:.4g} ({self.why})"
-
-    def allows(self, value: float) -> bool:
-        """Whether an SI value makes sense."""
-        return 0.0 < value < self.below or (self.below_included and value == self.below)
 
 
 # In the order in which files and listings give them.
@@ -111,15 +98,11 @@ QUANTITIES = {
     "wing_area": Kind({"m2": 1.0, "cm2": 10000.0}, optional=True),
     "speed": Kind({"m/s": 1.0, "km/h": 3.6}, rules=("alerstam-2007",)),
     "wingbeat_frequency": Kind({"Hz": 1.0}, rules=("pennycuick-1996",)),
-    "stroke_half_angle": Kind(
-        {"deg": 1.0},
-        below=90.0,
-        below_included=True,
-        why="the wingtips meet there",
-        rules=("nudds-2004",),
-    ),
+    "stroke_half_angle": Kind({"deg": 1.0}, HALF_ANGLE_DEG, rules=("nudds-2004",)),
     "upstroke_span_ratio": Kind(
-        {"1": 1.0}, below=math.pi / 4.0, why="from pi/4 on a lone bird makes no thrust", rules=(AS_IBIS,)
+        {"1": 1.0},
+        REACH & below(math.pi / 4.0, "from pi/4 on a lone bird makes no thrust"),
+        rules=(AS_IBIS,),
     ),
     "air_density": Kind({"kg/m3": 1.0}, rules=(AS_IBIS,)),
     "gravity": Kind({"m/s2": 1.0}, rules=(AS_IBIS,)),

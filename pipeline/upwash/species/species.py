@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from numbers import Real
-from typing import TYPE_CHECKING
 
+from upwash.aero.bird import Bird
+from upwash.aero.checked import rules_of
 from upwash.errors import UpwashError
 from upwash.species.file import did_you_mean, printable
-from upwash.species.quantity import Formation, Quantity
-
-if TYPE_CHECKING:
-    from upwash.aero.bird import Bird
+from upwash.species.groups import GROUPS, groups_of, outside
+from upwash.species.quantity import HALF_ANGLE_DEG, Formation, Quantity
 
 AMPLITUDE_CONVENTIONS = {
     "stroke-angle": "h = 2 b sin(stroke half-angle of the species' own file)",
@@ -33,6 +31,9 @@ _INPUT_QUANTITIES = {
 }
 # A bird's other inputs, which no species file states.
 _OTHER_INPUTS = ("amplitude_m", "circulation_ratio")
+
+INPUT_RULES = {**rules_of(Bird), "stroke_half_angle_deg": HALF_ANGLE_DEG}
+"""What each input that may be set must be."""
 
 
 class ImpossibleAmplitude(UpwashError):
@@ -159,10 +160,8 @@ class Species:
         ImpossibleAmplitude
             If the amplitude exceeds the wingspan.
         UpwashError
-            If the convention or an override is unknown, or a value makes no bird.
+            If the convention or an override is unknown, or a value makes no bird, or none that could be.
         """
-        from upwash.aero.bird import Bird
-
         inputs = self._bird_inputs(amplitude, overrides)
         try:
             return Bird(**inputs)
@@ -177,18 +176,10 @@ class Species:
         ImpossibleAmplitude
             If the amplitude exceeds the wingspan under this convention.
         """
-        inputs = self._bird_inputs(amplitude, {})
-        semispan, wavelength = inputs["semispan_m"], inputs["speed_m_s"] * inputs["period_s"]
-        weight = inputs["mass_kg"] * inputs["gravity_m_s2"]
-        groups = {
-            "weight_number": weight / (inputs["density_kg_m3"] * semispan**2 * inputs["speed_m_s"] ** 2),
-            "wavelength_number": wavelength / semispan,
-            "amplitude_number": inputs["amplitude_m"] / semispan,
-            "upstroke_span_ratio": inputs["upstroke_span_ratio"],
-            "strouhal": inputs["amplitude_m"] / wavelength,
-        }
+        groups = groups_of(self._bird_inputs(amplitude, {}))
         if "wing_area" in self.quantities:
-            groups["aspect_ratio"] = (2.0 * semispan) ** 2 / self.quantities["wing_area"].value
+            wingspan = self.quantities["wingspan"].value
+            groups["aspect_ratio"] = wingspan**2 / self.quantities["wing_area"].value
         return groups
 
     def _bird_inputs(self, amplitude: str, overrides: Mapping[str, float]) -> dict[str, float]:
@@ -201,10 +192,9 @@ class Species:
                 raise UpwashError(
                     f"{self.slug}: expected an input of a bird, found {printable(name)}; {remedy}"
                 )
-            if isinstance(value, bool) or not isinstance(value, Real) or not 0.0 < value < math.inf:
-                raise UpwashError(
-                    f"{self.slug}: {name}: expected a positive, finite number, found {printable(value)}"
-                )
+            if expected := INPUT_RULES[name].broken_by(value):
+                found = printable(value)
+                raise UpwashError(f"{self.slug}: {name}: expected {expected}, found {found}; correct it")
             inputs[name] = float(value)
         half_angle = inputs.pop("stroke_half_angle_deg")
         if "stroke_half_angle_deg" in overrides and (
@@ -214,10 +204,10 @@ class Species:
                 f"{self.slug}: stroke_half_angle_deg: expected amplitude = 'stroke-angle' and no amplitude_m "
                 "beside it, since it sets the amplitude; leave one of them out"
             )
-        if half_angle > 90.0:
-            raise UpwashError(
-                f"{self.slug}: stroke_half_angle_deg: expected at most 90, found {half_angle:g}"
-            )
+        # An amplitude is judged below, and first as one that wings can make.
+        self._refuse_implausible(
+            {name: value for name, value in inputs.items() if name != "amplitude_m"}, overrides
+        )
         wingspan = 2.0 * inputs["semispan_m"]
         if amplitude == "stroke-angle":
             by_convention = wingspan * math.sin(math.radians(half_angle))
@@ -234,7 +224,16 @@ class Species:
                 amplitude_m=inputs["amplitude_m"],
                 wingspan_m=wingspan,
             )
+        self._refuse_implausible(inputs, overrides)
         return inputs
+
+    def _refuse_implausible(self, inputs: Mapping[str, float], overrides: Mapping[str, float]) -> None:
+        """Complain of inputs that were set and with which it is no bird; its file was judged when it was read."""
+        groups = {name: value for name, value in groups_of(inputs).items() if GROUPS[name].inputs}
+        for name in groups if overrides else ():
+            for sentence in outside({name: groups[name]}, "possible"):
+                changed = [one for one in overrides if one in GROUPS[name].inputs] or list(overrides)
+                raise UpwashError(f"{self.slug}, {', '.join(changed)}: {sentence}")
 
 
 def _check_convention(amplitude: str) -> None:

@@ -10,15 +10,15 @@ from typing import Any
 
 from upwash.aero.bird import Bird
 from upwash.aero.wake import WakeModel
+from upwash.errors import UpwashError
 from upwash.species import ImpossibleAmplitude, Species
+from upwash.sweep.choices import PARAMETERS
 from upwash.sweep.job import Job
 from upwash.sweep.values import Setting, unit_sample
 
 STROKE_ANGLE = "stroke_half_angle_deg"
 PAPER = WakeModel()
 RESOLUTION = tuple(entry.name for entry in fields(WakeModel))
-PARAMETERS = (*(entry.name for entry in fields(Bird)), STROKE_ANGLE, *RESOLUTION)
-WHOLE = ("stroke_states", "span_nodes")
 
 # Where a job's inputs are named otherwise than in a sweep file: there they describe the bird ahead.
 COLUMN = {
@@ -148,6 +148,10 @@ class Block:
         resolution = {name: getattr(PAPER, name) for name in RESOLUTION}
         for name in resolution.keys() & point.keys():
             resolution[name] = point[name].value * (resolution[name] if point[name].relative else 1)
+        for name, value in resolution.items():
+            if expected := PARAMETERS[name].broken_by(value):
+                found = f"{name}: expected {expected}, found {value:g}"
+                raise UpwashError(f"{species.slug}: {found}; correct it")
         bird = bird_inputs(species, convention, point)
         return Job(
             kind=self.kind,
@@ -184,6 +188,8 @@ def bird_inputs(species: Species, convention: str, point: Mapping[str, Setting])
         return {entry.name: getattr(bird, entry.name) for entry in fields(Bird)}
     except ImpossibleAmplitude as error:
         inputs = {**own, **overrides, "amplitude_m": error.amplitude_m}
+        # All but the amplitude must make a bird.
+        species.bird(convention, **{**overrides, "amplitude_m": error.wingspan_m})
         return {entry.name: inputs[entry.name] for entry in fields(Bird)}
 
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from upwash.aero.checked import Rule
 from upwash.errors import UpwashError
 from upwash.species.file import did_you_mean, printable
 from upwash.sweep.toml_lines import key_lines, line_of
-from upwash.sweep.values import is_number
 
 
 @dataclass(frozen=True)
@@ -88,17 +88,11 @@ class Entry:
             raise self.unexpected(f"one of {', '.join(names)}", did_you_mean(str(self.value), names))
         return self.value
 
-    def number(self, expected: str, fits: Callable[[float], bool]) -> float:
-        """Return a number of a certain kind; true and false are none."""
-        value = self.value
-        if not is_number(value) or not fits(value):
+    def by(self, rule: Rule) -> Any:
+        """Return the value, which must be what a rule says."""
+        if expected := rule.broken_by(self.value):
             raise self.unexpected(expected)
-        return value
-
-    def whole(self, least: int) -> int:
-        """Return a whole number of at least so much."""
-        expected = f"a whole number of at least {least}"
-        return int(self.number(expected, lambda value: isinstance(value, int) and value >= least))
+        return rule.becomes(self.value) if rule.becomes else self.value
 
 
 def read_toml(path: Path) -> tuple[str, Entry]:

@@ -8,14 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from upwash.aero.checked import finite, whole_from
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.errors import UpwashError
 from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
 from upwash.species.file import did_you_mean, printable
-from upwash.sweep.block import PARAMETERS, WHOLE, Block, Condition, Sample
+from upwash.sweep.block import Block, Condition, Sample
+from upwash.sweep.choices import CHOICES, PARAMETERS, WHOLE, rule_of
 from upwash.sweep.entry import Entry, read_toml
 from upwash.sweep.job import BUILT_IN_SOLVER, FLOCK_CHOICES, Job
-from upwash.sweep.values import SAMPLERS, Setting, is_number, sampling_range, settings
+from upwash.sweep.solver import own_solver
+from upwash.sweep.values import MAX_POINTS, SAMPLERS, Setting, is_number, sampling_range, settings
 
 # Beside the package in a checkout, which is how Upwash is installed (pip install --editable).
 SWEEP_FOLDER = Path(__file__).parents[3] / "sweeps"
@@ -38,6 +41,7 @@ TEXT_INPUTS = ("species", "objective", "amplitude", *FLOCK_CHOICES)
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,79}")
 SOLVER = re.compile(rf"{BUILT_IN_SOLVER}|[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 MAX_JOBS = 1_000_000
+SAMPLES = whole_from(1, MAX_POINTS, "a sweep has no more jobs")
 
 
 @dataclass(frozen=True)
@@ -102,6 +106,11 @@ def read_sweep(name_or_path: str | os.PathLike[str]) -> Sweep:
     solver = keys.get("solver", top.at(BUILT_IN_SOLVER))
     if not SOLVER.fullmatch(solver.text()):
         raise solver.unexpected("package.module:function")
+    if solver.value != BUILT_IN_SOLVER:
+        try:
+            own_solver(solver.value)
+        except UpwashError as error:
+            raise solver.error(str(error)) from error
     reader = _BlockReader(path.parent, kind, solver.value)
     tables = keys["block"].tables() if "block" in keys else [top.at({})]
     jobs: dict[str, Job] = {}
@@ -188,11 +197,7 @@ class _BlockReader:
         choices: dict[str, list[Any]] = {
             "objective": [entry.one_of(COST_FUNCTIONS) for entry in given["objective"]],
             "amplitude": [entry.one_of(AMPLITUDE_CONVENTIONS) for entry in given["amplitude"]],
-            "seed": [entry.whole(0) for entry in given["seed"]],
-            "tolerance": [
-                entry.number("a number between 0 and 1", lambda value: 0.0 < value < 1.0)
-                for entry in given["tolerance"]
-            ],
+            **{name: [entry.by(CHOICES[name]) for entry in given[name]] for name in ("seed", "tolerance")},
         }
         if self.kind == "pair":
             if "flock" in keys:
@@ -201,8 +206,9 @@ class _BlockReader:
             return choices
         flock = keys["flock"].table(FLOCK_DEFAULTS) if "flock" in keys else {}
         given = {key: flock.get(key, table.at(default)).each() for key, default in FLOCK_DEFAULTS.items()}
-        choices["birds"] = [entry.whole(2) for entry in given["birds"]]
-        choices["wavelengths"] = [entry.whole(1) for entry in given["wavelengths"]]
+        choices |= {
+            name: [entry.by(CHOICES[name]) for entry in given[name]] for name in ("birds", "wavelengths")
+        }
         return choices | {
             key: [one.one_of(names) for one in given[key]] for key, names in FLOCK_CHOICES.items()
         }
@@ -234,10 +240,10 @@ def _checked_settings(name: str, entry: Entry, only_one: bool) -> list[Setting]:
     except ValueError as error:
         raise entry.error(str(error)) from error
     for setting in values:
-        if name in WHOLE and (setting.relative or not isinstance(setting.value, int) or setting.value < 2):
-            raise entry.unexpected("whole numbers of at least 2")
-        if not setting.value > 0:
-            raise entry.unexpected("positive numbers")
+        if name in WHOLE and setting.relative:
+            raise entry.unexpected("whole numbers, which are no factors", "leave out relative")
+        if expected := rule_of(name, setting.relative).broken_by(setting.value):
+            raise entry.error(f"expected {expected}, found {setting.value!r}; correct it")
     return values
 
 
@@ -261,8 +267,8 @@ def _sample(entry: Entry) -> Sample:
     for needed in ("method", "count"):
         if needed not in keys:
             raise entry.error(f"expected the key {needed}, found none; add it")
-    method, count = keys["method"].one_of(SAMPLERS), keys["count"].whole(1)
-    seed = keys["seed"].whole(0) if "seed" in keys else 0
+    method, count = keys["method"].one_of(SAMPLERS), keys["count"].by(SAMPLES)
+    seed = keys["seed"].by(CHOICES["seed"]) if "seed" in keys else 0
     if method != "latin-hypercube" and count & (count - 1):
         nearest = 1 << count.bit_length()
         raise keys["count"].unexpected(f"a power of two for {method}", f"take {nearest // 2} or {nearest}")
@@ -277,9 +283,12 @@ def _sample(entry: Entry) -> Sample:
     ranges = {}
     for name, below in keys["ranges"].table([name for name in PARAMETERS if name not in WHOLE]).items():
         try:
-            ranges[name] = sampling_range(below.value)
+            ranges[name] = low, high, relative = sampling_range(below.value)
         except ValueError as error:
             raise below.error(str(error)) from error
+        for end in (low, high):
+            if expected := rule_of(name, relative).broken_by(end):
+                raise below.error(f"expected {expected}, found {end!r}; correct it")
     if not ranges:
         raise keys["ranges"].error("expected at least one range, found none; write parameter = [low, high]")
     return Sample(method, count, seed, ranges)
@@ -314,7 +323,7 @@ def _condition(name: str, entry: Entry) -> Condition:
     value, is_text = entry.value, name in TEXT_INPUTS
     if isinstance(value, dict) and not is_text:
         bounds: dict[str, Any] = {
-            key: below.number("a number", is_number) for key, below in entry.table(("above", "below")).items()
+            key: below.by(finite) for key, below in entry.table(("above", "below")).items()
         }
         if bounds:
             return Condition(**bounds)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from typing import Any
 
 from upwash.errors import UpwashError
 from upwash.species import load_species
 from upwash.species.file import did_you_mean, printable
-from upwash.sweep.block import PARAMETERS, RESOLUTION, WHOLE, Block
+from upwash.sweep.block import RESOLUTION, Block
+from upwash.sweep.choices import CHOICES, PARAMETERS
 from upwash.sweep.job import BUILT_IN_SOLVER, Job
-from upwash.sweep.values import Setting, is_number
-
-# Optima are searched with the paper's two stroke states alone.
-SETTABLE = tuple(name for name in PARAMETERS if name != "stroke_states")
+from upwash.sweep.values import Setting
 
 
 def single_job(kind: str, species: str, settings: Iterable[str], amplitude: str, **choices: Any) -> Job:
@@ -37,9 +36,9 @@ def single_job(kind: str, species: str, settings: Iterable[str], amplitude: str,
     UpwashError
         If the species, an input or a value is wrong, or they make no bird.
     """
-    if not 0.0 < choices["tolerance"] < 1.0:
-        expected = "expected a number between 0 and 1"
-        raise UpwashError(f"--tolerance: {expected}, found {choices['tolerance']}; 1e-4 is usual")
+    for name in choices.keys() & CHOICES.keys():
+        if expected := CHOICES[name].broken_by(choices[name]):
+            raise UpwashError(f"--{name}: expected {expected}, found {choices[name]}; correct it")
     fixed: dict[str, Setting] = {}
     for name, setting in map(_setting, settings):
         if name in fixed:
@@ -67,15 +66,17 @@ def _setting(text: str) -> tuple[str, Setting]:
     name, equals, written = (part.strip() for part in text.partition("="))
     if not equals:
         raise UpwashError(f"--set: expected NAME=VALUE, found {printable(text)}; write as in speed_m_s=12")
-    if name not in SETTABLE:
-        remedy = did_you_mean(name, SETTABLE)
+    if name not in PARAMETERS:
+        remedy = did_you_mean(name, PARAMETERS)
         raise UpwashError(f"--set: expected an input, found {printable(name)}; {remedy}")
-    is_whole = name in WHOLE
-    try:
-        value = int(written) if is_whole else float(written)
-    except ValueError:
-        value = 0
-    if not (is_number(value) and (value >= 2 if is_whole else value > 0)):
-        expected = "a whole number of at least 2" if is_whole else "a positive, finite number"
+    if expected := PARAMETERS[name].broken_by(_number(written)):
         raise UpwashError(f"--set {name}: expected {expected}, found {printable(written)}; correct it")
-    return name, Setting(value)
+    return name, Setting(_number(written))
+
+
+def _number(written: str) -> Any:
+    """Read a number as TOML would: whole without a point, and a text if it is none."""
+    for kind in (int, float):
+        with suppress(ValueError):
+            return kind(written)
+    return written

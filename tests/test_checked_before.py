@@ -1,0 +1,201 @@
+"""Whatever can be known to be wrong is refused before anything runs, by the same rules wherever it is stated.
+
+The cases are made of the inputs as they are declared, so that a new input is tried as the others are.
+"""
+
+import math
+
+import pytest
+from upwash import Bird, WakeModel, load_species
+from upwash.aero.checked import rules_of
+from upwash.aero.power import COST_FUNCTIONS
+from upwash.errors import UpwashError
+from upwash.species import AMPLITUDE_CONVENTIONS
+from upwash.species.library import LIBRARY_FOLDER
+from upwash.species.quantity import QUANTITIES
+from upwash.sweep import read_sweep
+from upwash.sweep.choices import CHOICES, PARAMETERS
+from upwash.sweep.job import FLOCK_CHOICES
+from upwash.sweep.single import single_job
+
+IBIS = load_species("northern-bald-ibis")
+BIRD = IBIS.bird()
+BIRD_FILE = (LIBRARY_FOLDER / "northern-bald-ibis.toml").read_text(encoding="utf-8")
+
+# As TOML and the command line write them -> as Python does.
+NO_INPUT = {
+    "0": 0,
+    "-1": -1,
+    "-0.0": -0.0,
+    "1e-300": 1e-300,
+    "1e300": 1e300,
+    "1" + "0" * 18: 10**18,
+    "nan": math.nan,
+    "inf": math.inf,
+    "-inf": -math.inf,
+    "true": True,
+    '"1.3"': "1.3",
+    "{}": {},
+}
+FLOCK = {"birds": 6, "shape": "echelon", "wake": "neighbour", "reading": "immediate", "wavelengths": 1}
+USUAL = {"objective": "force", "seed": 0, "tolerance": 1e-4}
+WORDS = {"objective": COST_FUNCTIONS, "amplitude": AMPLITUDE_CONVENTIONS, "kind": ("pair",), **FLOCK_CHOICES}
+
+
+def is_legal(name, value):
+    """Whether a value is one that an input may have: any whole seed, and a flock of one wavelength's wakes."""
+    return CHOICES.get(name, PARAMETERS.get(name)).broken_by(value) == ""
+
+
+BAD_PARAMETERS = [(name, text) for name in PARAMETERS for text in NO_INPUT]
+BAD_CHOICES = [
+    (name, text) for name in CHOICES for text, value in NO_INPUT.items() if not is_legal(name, value)
+]
+
+
+def assert_refused(text, tmp_path, *words):
+    """A sweep is refused with the line of its last line."""
+    path = tmp_path / "sweep.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(UpwashError) as refused:
+        read_sweep(path)
+    message = str(refused.value)
+    assert message.startswith(f"{path}, line {text.count(chr(10)) + 1}: "), message
+    assert "expected " in message and "\n" not in message
+    assert all(word in message for word in words), message
+
+
+def test_every_value_is_no_parameters():
+    assert not any(is_legal(name, value) for name in PARAMETERS for value in NO_INPUT.values())
+
+
+@pytest.mark.parametrize(("name", "text"), BAD_PARAMETERS)
+class TestParameters:
+    @pytest.mark.parametrize("form", ["[fixed]\nX = V", "[grid]\nX = [V]", "[zip]\nX = [V]"])
+    def test_in_a_sweep(self, tmp_path, name, text, form):
+        sweep = 'species = "northern-bald-ibis"\n' + form.replace("X", name).replace("V", text)
+        assert_refused(sweep, tmp_path, name, "found ")
+
+    def test_at_either_end_of_a_sampled_range(self, tmp_path, name, text):
+        for ends in (f"[{text}, 1.0]", f"[1e-9, {text}]"):
+            head = 'species = "northern-bald-ibis"\n[sample]\nmethod = "sobol"\ncount = 2\n[sample.ranges]\n'
+            assert_refused(f"{head}{name} = {ends}", tmp_path, name)
+
+    def test_on_the_command_line(self, name, text):
+        with pytest.raises(UpwashError, match=f"--set {name}: expected ") as refused:
+            single_job("pair", "northern-bald-ibis", [f"{name}={text}"], "stroke-angle", **USUAL)
+        assert "found " in str(refused.value)
+
+    def test_from_python(self, name, text):
+        value = NO_INPUT[text]
+        if name in rules_of(WakeModel):
+            with pytest.raises(ValueError, match=f"^{name}: expected .*, found "):
+                WakeModel(**{name: value})
+            return
+        with pytest.raises(UpwashError, match=f"{name}: expected .*, found "):
+            IBIS.bird("stroke-angle", **{name: value})
+        if name in rules_of(Bird):
+            inputs = {field: getattr(BIRD, field) for field in rules_of(Bird)}
+            with pytest.raises(ValueError, match=f"^{name}: expected .*, found "):
+                Bird(**{**inputs, name: value})
+
+
+@pytest.mark.parametrize(("name", "text"), BAD_CHOICES)
+class TestChoices:
+    def test_in_a_sweep(self, tmp_path, name, text):
+        head = 'species = "northern-bald-ibis"\n'
+        head += 'kind = "flock"\n[flock]\n' if name in FLOCK else ""
+        for written in (text, f"[{text}]"):
+            assert_refused(f"{head}{name} = {written}", tmp_path, name, "found ")
+
+    def test_on_the_command_line(self, name, text):
+        kind, choices = ("flock", USUAL | FLOCK) if name in FLOCK else ("pair", USUAL)
+        with pytest.raises(UpwashError, match=f"--{name}: expected .*, found "):
+            single_job(kind, "northern-bald-ibis", [], "stroke-angle", **choices | {name: NO_INPUT[text]})
+
+
+@pytest.mark.parametrize("name", WORDS)
+@pytest.mark.parametrize("text", ['"nosuch"', '""', "1", "true", "[[]]", "{}", '" force"'])
+def test_an_unknown_word(tmp_path, name, text):
+    head = 'species = "northern-bald-ibis"\n'
+    head += 'kind = "flock"\n[flock]\n' if name in FLOCK else ""
+    assert_refused(f"{head}{name} = {text}", tmp_path, name, "one of ")
+
+
+@pytest.mark.parametrize("text", NO_INPUT)
+@pytest.mark.parametrize("key", ["value", "low", "high"])
+@pytest.mark.parametrize("name", QUANTITIES)
+def test_a_species_quantity(tmp_path, name, key, text):
+    head, table, tail = BIRD_FILE.partition(f"[{name}]\n")
+    quantity = getattr(IBIS.quantities[name], key)
+    tail = tail.replace(f"{key} = {quantity!r}\n", f"{key} = {text}\n", 1)
+    path = tmp_path / "bird.toml"
+    path.write_text(head + table + tail, encoding="utf-8")
+    with pytest.raises(UpwashError) as refused:
+        load_species(path)
+    assert str(refused.value).startswith(f"{path}: [{name}]")
+    assert "expected " in str(refused.value) and "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"mass_kg": 450},
+        {"semispan_m": 60},
+        {"speed_m_s": 300},
+        {"period_s": 1e-3},
+        {"gravity_m_s2": 980},
+        {"density_kg_m3": 1000},
+        {"amplitude_m": 0.01},
+        {"stroke_half_angle_deg": 0.5},
+    ],
+)
+class TestNoBird:
+    """What each value allows by itself, but no bird is."""
+
+    def test_in_a_sweep(self, tmp_path, settings):
+        ((name, value),) = settings.items()
+        sweep = f'species = "northern-bald-ibis"\n[fixed]\n{name} = {value}'
+        assert_refused(sweep, tmp_path, name, "look at the values and units")
+
+    def test_on_the_command_line(self, settings):
+        ((name, value),) = settings.items()
+        with pytest.raises(UpwashError, match=f"{name}: .* look at the values and units"):
+            single_job("pair", "northern-bald-ibis", [f"{name}={value}"], "stroke-angle", **USUAL)
+
+    def test_from_python(self, settings):
+        with pytest.raises(UpwashError, match="look at the values and units"):
+            IBIS.bird("stroke-angle", **settings)
+
+
+def test_an_impossible_amplitude_hides_no_other_mistake(tmp_path):
+    # By this convention a pigeon's amplitude is beyond its wingspan, which is a result.
+    head = 'species = "homing-pigeon"\namplitude = "strouhal"\n[fixed]\n'
+    assert_refused(f"{head}upstroke_span_ratio = 0.9", tmp_path, "makes thrust")
+    assert_refused(f"{head}mass_kg = 100", tmp_path, "W/(rho b^2 U^2)")
+
+
+@pytest.mark.parametrize(
+    ("solver", "words"),
+    [
+        ("nosuch.module:fn", "ModuleNotFoundError"),
+        ("math:nosuch", "a function nosuch in math, found none"),
+        ("math:pi", "found something else"),
+    ],
+)
+def test_a_solver_that_is_not_there(tmp_path, solver, words):
+    assert_refused(f'species = "northern-bald-ibis"\nsolver = "{solver}"', tmp_path, words)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[flock]\nbirds = [1000000000]", "at most 1000 ("),
+        ("[flock]\nwavelengths = 99999999", "at most 1000 ("),
+        ("[grid]\nspan_nodes = [1000000000]", "at most 10000 ("),
+        ("[grid]\nstroke_states = [4]", "at most 2 ("),
+        ("[grid]\ncore_radius_ratio = { value = 1e9, relative = true }", "0.001 to 1 ("),
+    ],
+)
+def test_a_bound_says_why(tmp_path, text, words):
+    assert_refused(f'species = "northern-bald-ibis"\nkind = "flock"\n{text}', tmp_path, words)
