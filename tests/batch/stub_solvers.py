@@ -116,3 +116,7 @@ def threads(job):
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
         log(f"{name}={os.environ.get(name)}")
     return trivial(job)
+
+
+def unknown_column_when_heavy(job):
+    return "solved", "", [row(job, **{"wingspan_in_feet": 4.0} if job.mass_kg > 1.25 else {})]

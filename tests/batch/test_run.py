@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import pyarrow.parquet as pq
 import pytest
 from conftest import wait_until
-from upwash.batch import aggregate, runner
+from upwash.batch import merging, runner
 from upwash.batch.job import needs_compiling
 from upwash.batch.store import write_atomic
 from upwash.sweep import read_sweep
@@ -163,7 +163,7 @@ def test_a_bit_flipped_in_a_gathered_table_costs_its_part_alone(bench, monkeypat
     bench.sweep("two_optima", 6)
     bench.run()
     # Pieces of two jobs, so that a small table has several.
-    monkeypatch.setattr(aggregate, "JOBS_PER_PIECE", 2)
+    monkeypatch.setattr(merging, "JOBS_PER_PIECE", 2)
     bench("aggregate", "results/sweep")
     whole = bench.summary()
     path = bench.results / "solutions.parquet"

@@ -40,7 +40,7 @@ def job_inputs(job, **changed):
 def data_of(job, sweep_text="the sweep's text", seconds=0.1):
     """Return the file of a job whose solver is one of the tests' own."""
     easy = Job(**job_inputs(job, solver="stub_solvers:two_optima"))
-    return encode(easy, run_job(easy), seconds, sweep_text).data
+    return encode([(easy, run_job(easy), seconds)], sweep_text).data
 
 
 @pytest.fixture
@@ -185,8 +185,9 @@ class TestRowsOfAnyKind:
     )
     def test_whatever_goes_wrong_is_a_row_with_inputs_seed_and_error(self, job, solver, error):
         bad = Job(**job_inputs(job, solver=f"stub_solvers:{solver}", seed=7))
-        result = encode(bad, run_job(bad), 0.1, "")
-        (found,) = store.read_table(None, store.SOLUTIONS, result.data).to_pylist()
+        bundle = encode([(bad, run_job(bad), 0.1)], "")
+        (result,) = bundle.results
+        (found,) = store.read_table(None, store.SOLUTIONS, bundle.data).to_pylist()
         assert result.status == found["status"] == "failed"
         assert found["error"].startswith(error) and "\n" not in found["error"]
         assert (found["job_id"], found["mass_kg"], found["seed"]) == (bad.job_id, job.mass_kg, 7)

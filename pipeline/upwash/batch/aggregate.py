@@ -1,39 +1,32 @@
-"""Gathering job files into tables, in an order and in pieces that do not depend on how the jobs were run.
+"""Gathering all finished jobs into tables, in an order and in pieces that do not depend on how they were run.
 
 Rows are sorted by job and rank and written in row groups of whole jobs. What was gathered before is merged
-with the job files since, a range of ids at a time, so that memory does not grow with the sweep.
+with what was done since, a range of ids at a time, so that memory does not grow with the sweep.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import pyarrow as pa
-import pyarrow.compute as pc
 
 from upwash.batch.folder import RETIRED, SUMMARY, Plan, ResultsFolder
-from upwash.batch.index import Index
 from upwash.batch.mend import verified_index
+from upwash.batch.merging import JobFiles, Table, merged, only, without
 from upwash.batch.store import (
     GATHERED,
     ROWS,
     SUMMARIES,
     TableWriter,
     merged_provenance,
-    metadata_of,
-    open_table,
-    read_table,
     replacing,
     sync,
 )
 from upwash.batch.summary import summary_of
 from upwash.errors import UpwashError
-
-JOBS_PER_PIECE = 1000
 
 
 @dataclass(frozen=True)
@@ -46,9 +39,9 @@ class Gathered:
 
 
 def aggregate(folder: ResultsFolder, tell: Callable[[str], None]) -> Gathered:
-    """Gather all finished jobs of a results folder, and then remove their own files.
+    """Gather all finished jobs of a results folder, and then remove the files that held them until now.
 
-    Whatever interrupts this, no row is lost: the tables are in place before a job file goes.
+    Whatever interrupts this, no row is lost: the tables are in place before another file goes.
 
     Raises
     ------
@@ -57,107 +50,50 @@ def aggregate(folder: ResultsFolder, tell: Callable[[str], None]) -> Gathered:
     """
     folder.require()
     with folder.locked():
-        index = verified_index(folder, tell)
-        ids = sorted(index.jobs)
+        ids = sorted(verified_index(folder, tell))
         if not ids:
             raise UpwashError(f"{folder}: expected finished jobs, found none; run the sweep first")
         plan = folder.plan() or Plan("", folder.kind(), "", ids)
-        _write_tables(folder, plan, index, ids)
+        parts = folder.part_files()
+        singles = JobFiles(folder, folder.job_ids(), ROWS[plan.kind])
+        _write_tables(folder, plan, ids, singles, parts)
         sync(folder.path)
-        for job_id in index.single:
-            folder.job_file(job_id).unlink()
-        for path in folder.journals():
+        for path in (*singles.given, *parts, *folder.journals()):
             path.unlink()
+        with suppress(OSError):
+            folder.parts.rmdir()
         named = set(plan.jobs)
-        found = len(named & index.jobs.keys())
+        found = len(named.intersection(ids))
         return Gathered(found, len(named) - found, len(ids) - found)
 
 
-def _write_tables(folder: ResultsFolder, plan: Plan, index: Index, ids: list[str]) -> None:
+def _write_tables(
+    folder: ResultsFolder, plan: Plan, ids: list[str], singles: JobFiles, parts: list[Path]
+) -> None:
     schema, named = ROWS[plan.kind], pa.array(plan.jobs, pa.string())
-    tables = folder.path / GATHERED[plan.kind], folder.path / RETIRED
-    has_retired = tables[1].exists() or not set(ids) <= set(plan.jobs)
+    current_path, retired_path = folder.path / GATHERED[plan.kind], folder.path / RETIRED
     with ExitStack() as files, ExitStack() as finished:
-        singles = _Singles(folder, sorted(index.single), schema)
-        gathered, retired = (_Gathered(files, path, schema) for path in tables)
+        old = [Table(files, path, schema) for path in (current_path, retired_path) if path.exists()]
+        were_retired = set(old[-1].ids()) if retired_path.exists() else set()
+        has_retired = bool(were_retired) or not set(ids) <= set(plan.jobs)
+        # What is named again stays among the retired rows, too, so that it is in a file at every moment.
+        never_retired = pa.array([job_id for job_id in plan.jobs if job_id not in were_retired], pa.string())
         # Put in place in the reverse order: a row that is retired is there before it is gone here.
         summaries = _open(finished, folder.path / SUMMARY, SUMMARIES[plan.kind])
-        current = _open(finished, tables[0], schema)
-        others = _open(finished, tables[1], schema) if has_retired else None
-        for bound in [*ids[JOBS_PER_PIECE::JOBS_PER_PIECE], None]:
-            latest = _merged(singles.below(bound), gathered.below(bound))
-            before = retired.below(bound)
-            every = _merged(latest, before)
-            rows = every.filter(pc.is_in(every.column("job_id"), named))
-            current.write(rows)
-            summaries.write(summary_of(rows, plan.kind))
-            if others:
-                # What is named again stays among the retired rows too, where it no longer counts.
-                others.write(_merged(_without(latest, named), before))
-        metadata = merged_provenance(singles.metadata + gathered.metadata + retired.metadata, plan.text)
-        for writer in filter(None, (current, summaries, others)):
+        current = _open(finished, current_path, schema)
+        retired = _open(finished, retired_path, schema) if has_retired else None
+        new = (Table(files, path, schema) for path in parts)
+        sources: list[JobFiles | Table] = [singles, *new, *old]
+        for rows in merged(sources, ids):
+            of_the_sweep = only(rows, named)
+            current.write(of_the_sweep)
+            summaries.write(summary_of(of_the_sweep, plan.kind))
+            if retired:
+                retired.write(without(rows, never_retired))
+        metadata = merged_provenance([one for source in sources for one in source.metadata], plan.text)
+        for writer in filter(None, (current, summaries, retired)):
             writer.close(metadata)
 
 
 def _open(stack: ExitStack, path: Path, schema: pa.Schema) -> TableWriter:
     return TableWriter(stack.enter_context(replacing(path)), schema)
-
-
-def _without(table: pa.Table, jobs: pa.Array) -> pa.Table:
-    return table.filter(pc.invert(pc.is_in(table.column("job_id"), jobs)))
-
-
-def _merged(first: pa.Table, second: pa.Table) -> pa.Table:
-    """Return the rows of two tables, sorted; those of a job that is in both are the first's."""
-    rows = pa.concat_tables([first, _without(second, first.column("job_id").unique())])
-    order = [("job_id", "ascending"), ("bird" if "bird" in rows.column_names else "rank", "ascending")]
-    return rows.sort_by(order).combine_chunks()
-
-
-def _all_below(rows: pa.Table, bound: str) -> bool:
-    """Whether a sorted table has no job at or above a bound."""
-    return rows.num_rows == 0 or rows.column("job_id")[-1].as_py() < bound
-
-
-class _Gathered:
-    """The rows of a gathered table, a range of ids at a time; of none, if there is no such file."""
-
-    def __init__(self, stack: ExitStack, path: Path, schema: pa.Schema) -> None:
-        self.file = stack.enter_context(open_table(path, schema)) if path.exists() else None
-        self.metadata = [metadata_of(self.file.schema_arrow)] if self.file else []
-        self.groups = iter(range(self.file.num_row_groups if self.file else 0))
-        self.held = schema.empty_table()
-
-    def below(self, bound: str | None) -> pa.Table:
-        """Return the rows not yet given of jobs below a bound, or all of them."""
-        parts = [self.held]
-        while self.file and (bound is None or _all_below(parts[-1], bound)):
-            number = next(self.groups, None)
-            if number is None:
-                break
-            parts.append(self.file.read_row_group(number, use_threads=False).replace_schema_metadata())
-        rows = pa.concat_tables(parts)
-        count = rows.num_rows if bound is None else pc.sum(pc.less(rows.column("job_id"), bound)).as_py() or 0
-        self.held = rows.slice(count)
-        return rows.slice(0, count)
-
-
-class _Singles:
-    """The rows of the jobs' own files, a range of ids at a time."""
-
-    def __init__(self, folder: ResultsFolder, ids: list[str], schema: pa.Schema) -> None:
-        self.folder = folder
-        self.ids = deque(ids)
-        self.schema = schema
-        self.metadata: list[dict[str, str]] = []
-
-    def below(self, bound: str | None) -> pa.Table:
-        """Return the rows not yet given of jobs below a bound, or all of them."""
-        tables = [self.schema.empty_table()]
-        while self.ids and (bound is None or self.ids[0] < bound):
-            table = read_table(self.folder.job_file(self.ids.popleft()), self.schema)
-            metadata = metadata_of(table.schema)
-            if metadata not in self.metadata:
-                self.metadata.append(metadata)
-            tables.append(table.replace_schema_metadata())
-        return pa.concat_tables(tables)

@@ -74,11 +74,11 @@ def check(folder: ResultsFolder) -> tuple[int, list[Finding]]:
     kind, findings = folder.kind(), list[Finding]()
     gathered = folder.path / GATHERED[kind]
     seen = set(_check_gathered(folder, gathered, kind, findings)) if gathered.exists() else set()
-    for job_id in sorted(folder.job_ids()):
-        path = folder.job_file(job_id)
+    for path in (*folder.part_files(), *map(folder.job_file, sorted(folder.job_ids()))):
         for table in _pieces(path, ROWS[kind], findings):
-            findings += of_rows(table.to_pylist(), str(path))
-            seen.add(job_id)
+            for job_id, rows in groupby(table.to_pylist(), key=lambda row: row["job_id"]):
+                findings += of_rows(list(rows), str(path))
+                seen.add(job_id)
     if not seen and not findings:
         for table in _pieces(folder.path / SUMMARY, SUMMARIES[kind], findings):
             for row in table.to_pylist():

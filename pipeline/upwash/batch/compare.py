@@ -11,7 +11,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from upwash import columns as of
-from upwash.batch.folder import SUMMARY, ResultsFolder
+from upwash.batch.folder import SUMMARY, ResultsFolder, jobs_in
 from upwash.batch.store import GATHERED, ROWS, SUMMARIES, Damaged, read_table
 from upwash.errors import UpwashError
 
@@ -93,7 +93,7 @@ def _read(folder: ResultsFolder, name: str, kind: str) -> pa.Table:
     path = folder.path / name
     if not path.exists():
         raise UpwashError(f"{folder}: expected {name}, found none; gather it by 'upwash aggregate {folder}'")
-    if loose := len(folder.job_ids()):
+    if loose := len(folder.job_ids()) + sum(map(jobs_in, folder.part_files())):
         found = f"found {loose} not gathered yet; gather them by 'upwash aggregate {folder}'"
         raise UpwashError(f"{folder}: expected all finished jobs in {name}, {found}")
     try:

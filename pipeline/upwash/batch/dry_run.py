@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from upwash import columns as of
-from upwash.batch.folder import SUMMARY, ResultsFolder, Shard, entry_of
-from upwash.batch.index import Index, Known, gathered_files, read_index, read_singles
+from upwash.batch.folder import SUMMARY, ResultsFolder, Shard
+from upwash.batch.index import Known, read_index, table_files
 from upwash.batch.progress import duration
 from upwash.batch.selection import in_shard, is_to_run
 
@@ -68,7 +67,7 @@ def foresee(
 ) -> Foresight:
     """Say of each job of a sweep whether a run would do it, and why; nothing is written."""
     jobs = [job for job in jobs if in_shard(job.job_id, shard)]
-    known = _verified(folder).jobs if folder.path.is_dir() else {}
+    known = read_index(folder, verify=True) if folder.path.is_dir() else {}
     earlier = _Earlier(folder, known.keys() - {job.job_id for job in jobs}) if known else None
     label = _labels(jobs)
     foreseen = []
@@ -80,12 +79,6 @@ def foresee(
     seconds = _experience(folder)
     each = seconds if seconds is not None else TYPICAL_S[jobs[0].kind] if jobs else 0.0
     return Foresight(foreseen, to_run, to_run * each / workers, seconds is not None)
-
-
-def _verified(folder: ResultsFolder) -> Index:
-    index = read_index(folder)
-    index.single = read_singles(folder, verify=True)
-    return index
 
 
 def _reason(job: Job, known: Known | None, retry_failed: bool, earlier: _Earlier | None) -> str:
@@ -124,7 +117,7 @@ def _inputs(folder: ResultsFolder, job_ids: set[str]) -> Iterable[dict[str, Any]
 
     asked = of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.FLOCK)
     names = [name for name in of.names(asked) if name in ROWS[folder.kind()].names]
-    paths = [*gathered_files(folder), *(folder.job_file(job_id) for job_id in job_ids & folder.job_ids())]
+    paths = [*table_files(folder), *(folder.job_file(job_id) for job_id in job_ids & folder.job_ids())]
     for path in paths if job_ids else ():
         try:
             with open_table(path, ROWS[folder.kind()]) as file:
@@ -151,10 +144,12 @@ def _short(value: Any) -> str:
 
 def _experience(folder: ResultsFolder) -> float | None:
     """Return the mean time of the jobs done in this folder, if there are any."""
-    lines = itertools.chain.from_iterable(folder.read_journals().lines.values())
-    seconds = [entry.seconds for entry in map(entry_of, lines) if entry]
+    done = folder.read_journals().done
+    if done:
+        return sum(entry.seconds for entry in done) / sum(entry.jobs for entry in done)
     summary = folder.path / SUMMARY
-    if not seconds and summary.exists() and folder.kind() == "pair":
+    seconds = []
+    if summary.exists() and folder.kind() == "pair":
         import pyarrow.parquet as pq
 
         seconds = pq.read_table(summary, columns=["solve_time_s"]).column(0).drop_null().to_pylist()

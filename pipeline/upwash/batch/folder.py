@@ -1,15 +1,19 @@
-"""A results folder: what is in it, who may write to it, and what of it is known without opening every file.
+"""A results folder: what is in it, and who may write to it.
 
 ::
 
     plan.json            the sweep's text and its jobs' ids, in order
     jobs/<id>.parquet    one a job, until they are gathered
+    parts/<n>-….parquet  the rows of n jobs, gathered while a run goes on
     solutions.parquet    the gathered rows of this sweep's jobs (flock.parquet for flocks)
     retired.parquet      gathered rows of jobs that the sweep no longer names, should it name them again
     summary.parquet      one row a job
-    journal-1-of-1.csv   one line a job as it was finished: a cache of what its file says, and its checksum
+    journal-1-of-1.csv   when a run began and how fast it went: for estimates alone
     corrupt/             files that were found damaged
     .lock                held by whoever writes
+
+What is done is what the Parquet files hold, and nothing else says so. A job may be in several of them for a
+moment, or after a run was killed; whoever reads takes one result (`upwash.batch.merging`).
 """
 
 from __future__ import annotations
@@ -21,22 +25,22 @@ import os
 import re
 import shutil
 import time
-import zlib
-from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from secrets import token_hex
 from typing import IO, NamedTuple
 
 from upwash.errors import UpwashError
 
 JOB_ID = re.compile(r"[0-9a-f]{16}")
+PART = re.compile(r"(\d+)-(\d+-of-\d+)-[0-9a-f]{8}\.parquet")
 # `in_use` tries the lock too, for a moment; a run that meets it waits so long before it gives up.
 LOCK_PATIENCE_S = 1.0
 
-RUN = "run"
-RECENT = 200
-"""Last lines of each journal from which the rate is told."""
+RUN, DONE = "run", "done"
+"""How a line of a journal begins: when a run began, or some of its jobs were done."""
 
 PLAN, RETIRED, SUMMARY = "plan.json", "retired.parquet", "summary.parquet"
 GATHERED = {"pair": "solutions.parquet", "flock": "flock.parquet"}
@@ -44,33 +48,27 @@ GATHERED = {"pair": "solutions.parquet", "flock": "flock.parquet"}
 
 
 class Entry(NamedTuple):
-    """One line of a journal: how a job ended, and what its file must look like."""
+    """One line of a journal: that some jobs were done, when, and how long workers were busy with them."""
 
-    status: str
-    seconds: float
-    size: int
-    checksum: int
     time: float
-    cause: str
+    jobs: int
+    seconds: float
 
 
 @dataclass(frozen=True)
 class Journals:
-    """What the journals say, as text: of very many lines few are of interest, and `entry_of` reads those.
+    """What the journals say.
 
     Parameters
     ----------
-    lines : dict of str to list of str
-        Every time a job was done, in order; the last one counts.
-    recent : list of str
-        The last lines of each journal.
     begun : list of float
         When each run began, in seconds since 1970.
+    done : list of Entry
+        What was done, in order of time.
     """
 
-    lines: dict[str, list[str]]
-    recent: list[str]
     begun: list[float]
+    done: list[Entry]
 
 
 @dataclass(frozen=True)
@@ -108,6 +106,7 @@ class ResultsFolder:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         self.jobs = self.path / "jobs"
+        self.parts = self.path / "parts"
         self.corrupt = self.path / "corrupt"
 
     def __str__(self) -> str:
@@ -231,7 +230,7 @@ class ResultsFolder:
             return plan.kind
         return "flock" if (self.path / GATHERED["flock"]).exists() else "pair"
 
-    # The jobs' files
+    # The files of jobs, and of some jobs together
 
     def job_ids(self) -> set[str]:
         """Return the jobs that have a file of their own."""
@@ -244,15 +243,18 @@ class ResultsFolder:
         ids = (name.removesuffix(".parquet") for name in names if name.endswith(".parquet"))
         return {job_id for job_id in ids if JOB_ID.fullmatch(job_id)}
 
-    def entry_of_file(self, job_id: str, lines: Iterable[str]) -> Entry | None:
-        """Return which of a job's journal lines its file is, bit for bit; None if it is damaged."""
+    def part_files(self) -> list[Path]:
+        """Return the files of jobs that were gathered while a run went on, largest first."""
+        found = [path for path in self.parts.glob("*.parquet") if PART.fullmatch(path.name)]
+        return sorted(found, key=lambda path: (-jobs_in(path), path.name))
+
+    def new_part(self, jobs: int, shard: Shard) -> Path:
+        """Return a free place for a file of so many jobs, and make its folder."""
         try:
-            data = self.job_file(job_id).read_bytes()
-        except OSError:
-            return None
-        found = len(data), zlib.crc32(data)
-        entries = (entry for line in lines if (entry := entry_of(line)))
-        return next((one for one in entries if (one.size, one.checksum) == found), None)
+            self.parts.mkdir(exist_ok=True)
+        except OSError as error:
+            raise self.cannot("write there", error) from error
+        return self.parts / f"{jobs}-{shard}-{token_hex(4)}.parquet"
 
     def set_aside(self, path: Path) -> Path:
         """Move a damaged file out of the way, beside any that were moved before."""
@@ -288,32 +290,31 @@ class ResultsFolder:
 
     def read_journals(self) -> Journals:
         """Return what the journals say; torn lines are passed over."""
-        lines: dict[str, list[str]] = {}
-        recent, begun = [], []
+        begun, done = [], []
         for path in self.journals():
-            all_lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-            for line in all_lines:
-                name, _, rest = line.partition(",")
-                if name == RUN:
-                    with suppress(ValueError):
-                        begun.append(float(rest.partition(",")[0]))
-                elif rest.count(",") == len(Entry._fields) - 1:
-                    lines.setdefault(name, []).append(rest)
-            recent += [line.partition(",")[2] for line in all_lines[-RECENT:]]
-        return Journals(lines, recent, begun)
+            for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+                name, _, numbers = line.partition(",")
+                try:
+                    when, jobs, *seconds = numbers.split(",")
+                    if name == RUN and not seconds:
+                        begun.append(float(when))
+                    elif name == DONE and len(seconds) == 1:
+                        done.append(Entry(float(when), int(jobs), float(seconds[0])))
+                except ValueError:
+                    continue
+        return Journals(begun, sorted(done))
 
 
-def journal_line(job_id: str, entry: Entry) -> str:
+def journal_line(entry: Entry) -> str:
     """Return the line that `ResultsFolder.read_journals` reads."""
-    cause = re.sub(r"[,\s]+", " ", entry.cause)
-    numbers = f"{entry.seconds:.6f},{entry.size},{entry.checksum},{entry.time:.3f}"
-    return f"{job_id},{entry.status},{numbers},{cause}\n"
+    return f"{DONE},{entry.time:.3f},{entry.jobs},{entry.seconds:.6f}\n"
 
 
-def entry_of(line: str) -> Entry | None:
-    """Return what a journal's line says, behind the job's id; None if it is torn."""
-    try:
-        status, seconds, size, checksum, when, cause = line.split(",")
-        return Entry(status, float(seconds), int(size), int(checksum), float(when), cause)
-    except ValueError:
-        return None
+def jobs_in(part: Path) -> int:
+    """Return how many jobs a part holds, by its name."""
+    return int(part.name.partition("-")[0])
+
+
+def shard_of(part: Path) -> str:
+    """Return which shard wrote a part, by its name."""
+    return part.name.partition("-")[2].rpartition("-")[0]

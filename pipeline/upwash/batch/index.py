@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from upwash import columns as of
-from upwash.batch.folder import GATHERED, RETIRED, Journals, ResultsFolder
+from upwash.batch.folder import GATHERED, RETIRED, ResultsFolder
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -20,71 +19,41 @@ class Known(NamedTuple):
     cause: str
 
 
-@dataclass
-class Index:
-    """What is known of a results folder.
+def read_index(folder: ResultsFolder, verify: bool = False) -> dict[str, Known]:
+    """Return how each job that has a result ended; files found damaged are passed over.
 
-    Parameters
-    ----------
-    gathered : dict of str to Known
-        Jobs whose rows are in a gathered table.
-    single : dict of str to Known
-        Jobs that have a file of their own, which counts if there are both.
-    """
-
-    gathered: dict[str, Known] = field(default_factory=dict)
-    single: dict[str, Known] = field(default_factory=dict)
-
-    @property
-    def jobs(self) -> dict[str, Known]:
-        """Every job that has a result."""
-        return self.gathered | self.single
-
-
-def read_index(folder: ResultsFolder, journals: Journals | None = None) -> Index:
-    """Return what a results folder holds, trusting the journals; files found damaged are passed over."""
-    index = Index(single=read_singles(folder, journals=journals))
-    for path in gathered_files(folder):
-        index.gathered |= known_in(path, folder.kind())
-    return index
-
-
-def read_singles(
-    folder: ResultsFolder, verify: bool = False, journals: Journals | None = None
-) -> dict[str, Known]:
-    """Return what is known of the jobs that have a file of their own.
+    While a run goes on, files vanish into others; those are looked at later, so that no job is missed.
 
     Parameters
     ----------
     folder : ResultsFolder
         The folder.
     verify : bool
-        Whether to compare each file with the checksum in the journal. Those that no journal tells of, since
-        they came from elsewhere, are read in any case. What is damaged is left out.
-    journals : Journals, optional
-        What the journals say, if they have been read already.
+        Whether to read all of the jobs' own files, and not just what is asked for.
     """
-    written = (journals or folder.read_journals()).lines
-    singles = {}
+    index: dict[str, Known] = {}
+    kind = folder.kind()
     for job_id in folder.job_ids():
-        lines = written.get(job_id)
-        if not lines:
-            known = read_known(folder, job_id)
-        elif verify:
-            entry = folder.entry_of_file(job_id, lines)
-            known = Known(entry.status, entry.cause) if entry else None
-        else:
-            status, *_, cause = lines[-1].split(",")
-            known = Known(status, cause)
-        if known:
-            singles[job_id] = known
-    return singles
+        note(index, known_in(folder.job_file(job_id), kind, verify))
+    done = set[Path]()
+    while paths := [path for path in table_files(folder) if path not in done]:
+        for path in paths:
+            note(index, known_in(path, kind))
+            done.add(path)
+    return index
 
 
-def gathered_files(folder: ResultsFolder) -> list[Path]:
-    """Return the tables of gathered rows; where two hold a job, the later one counts."""
-    paths = [folder.path / RETIRED, folder.path / GATHERED[folder.kind()]]
-    return [path for path in paths if path.exists()]
+def note(index: dict[str, Known], more: dict[str, Known]) -> None:
+    """Add what another file says: of a job in both, what is no failure counts, and else the first."""
+    for job_id, known in more.items():
+        if job_id not in index or index[job_id].status == of.FAILED:
+            index[job_id] = known
+
+
+def table_files(folder: ResultsFolder) -> list[Path]:
+    """Return the tables of rows of several jobs, newest first."""
+    gathered = (folder.path / GATHERED[folder.kind()], folder.path / RETIRED)
+    return [*reversed(folder.part_files()), *(path for path in gathered if path.exists())]
 
 
 def known_of(table: pa.Table) -> dict[str, Known]:
@@ -100,23 +69,13 @@ def known_of(table: pa.Table) -> dict[str, Known]:
     return known
 
 
-def known_in(path: Path, kind: str) -> dict[str, Known]:
-    """Return how each job in a gathered table ended; nothing if the table is damaged."""
+def known_in(path: Path, kind: str, verify: bool = False) -> dict[str, Known]:
+    """Return how each job in a file ended; nothing if it is damaged, or gone since it was listed."""
     from upwash.batch.store import ROWS, Damaged, noticing, open_table
 
     try:
         with noticing(path), open_table(path, ROWS[kind]) as file:
-            return known_of(file.read(columns=["job_id", "status", "error"], use_threads=False))
-    except Damaged:
+            columns = None if verify else ["job_id", "status", "error"]
+            return known_of(file.read(columns=columns, use_threads=False))
+    except (Damaged, FileNotFoundError):
         return {}
-
-
-def read_known(folder: ResultsFolder, job_id: str) -> Known | None:
-    """Return how a job ended, from its own file; None if that is damaged."""
-    from upwash.batch.store import ROWS, Damaged, read_table
-
-    path = folder.job_file(job_id)
-    try:
-        return known_of(read_table(path, ROWS[folder.kind()])).get(job_id)
-    except Damaged:
-        return None

@@ -26,10 +26,13 @@ Row = dict[str, Any]
 # A worker whose parent is gone has nobody to give its results to; it looks this often.
 PARENT_CHECK_S = 0.5
 
+MANY = 50
+"""So many jobs done in one batch are stored in one file, and not each in its own."""
+
 
 @dataclass(frozen=True)
 class Result:
-    """What came of one job, ready to be written.
+    """How one job ended.
 
     Parameters
     ----------
@@ -41,14 +44,27 @@ class Result:
         What went wrong, or "".
     seconds : float
         Wall time.
-    data : bytes
-        The job's Parquet file.
     """
 
     job_id: str
     status: str
     error: str
     seconds: float
+
+
+@dataclass(frozen=True)
+class Bundle:
+    """What came of one job, or of several that are stored together, ready to be written.
+
+    Parameters
+    ----------
+    results : list of Result
+        How each of them ended.
+    data : bytes
+        The Parquet file of their rows, sorted by job.
+    """
+
+    results: list[Result]
     data: bytes
 
 
@@ -83,21 +99,41 @@ def failed_rows(job: Job, error: str) -> list[Row]:
     return [inputs_of(job) | {"status": of.FAILED, "error": error}]
 
 
-def encode(job: Job, rows: list[Row], seconds: float, sweep_text: str) -> Result:
-    """Make a job's file of its rows; rows that do not fit the schema are a failure of the job."""
-    schema, metadata = store.ROWS[job.kind], store.provenance(sweep_text)
+def encode(solved: Sequence[tuple[Job, list[Row], float]], sweep_text: str) -> Bundle:
+    """Make one file of jobs, each with its rows and its wall time in s.
+
+    Rows that do not fit the schema are a failure of their job.
+    """
+    schema, metadata = store.ROWS[solved[0][0].kind], store.provenance(sweep_text)
+    options = store.JOB_FILE_OPTIONS if len(solved) == 1 else store.TABLE_OPTIONS
     try:
-        data = store.encode(rows, schema, metadata)
+        data = store.encode(_sorted_rows(solved), schema, metadata, options)
+    except (ValueError, TypeError, OverflowError):
+        solved = [(job, _fitting(job, rows, schema), seconds) for job, rows, seconds in solved]
+        data = store.encode(_sorted_rows(solved), schema, metadata, options)
+    return Bundle([_result(*one) for one in solved], data)
+
+
+def _sorted_rows(solved: Sequence[tuple[Job, list[Row], float]]) -> list[Row]:
+    return [row for _, rows, _ in sorted(solved, key=lambda one: one[0].job_id) for row in rows]
+
+
+def _fitting(job: Job, rows: list[Row], schema: Any) -> list[Row]:
+    try:
+        store.table_of(rows, schema)
     except (ValueError, TypeError, OverflowError) as error:
-        rows = failed_rows(job, describe(error))
-        data = store.encode(rows, schema, metadata)
+        return failed_rows(job, describe(error))
+    return rows
+
+
+def _result(job: Job, rows: list[Row], seconds: float) -> Result:
     worst = max(rows, key=lambda row: of.STATUSES.index(row["status"]))
-    return Result(job.job_id, worst["status"], worst["error"] or "", seconds, data)
+    return Result(job.job_id, worst["status"], worst["error"] or "", seconds)
 
 
 def run_batch(
     jobs: Sequence[Job], sweep_text: str, budget_s: float, parent: int | None
-) -> tuple[list[Result], list[Job]]:
+) -> tuple[list[Bundle], list[Job]]:
     """Run jobs one after another until the time is up, in a worker.
 
     Parameters
@@ -114,19 +150,21 @@ def run_batch(
     Returns
     -------
     tuple
-        Results of the jobs that were run, and the jobs that were not.
+        The jobs that were run, one in a bundle, or all in one if they are many; and the jobs that were not.
     """
     if parent is not None:
         _die_with(parent)
-    results: list[Result] = []
+    solved: list[tuple[Job, list[Row], float]] = []
     start = time.perf_counter()
-    for number, job in enumerate(jobs):
+    for job in jobs:
         begun = time.perf_counter()
-        if number and begun - start > budget_s:
-            return results, list(jobs[number:])
+        if solved and begun - start > budget_s:
+            break
         rows = run_job(job)
-        results.append(encode(job, rows, time.perf_counter() - begun, sweep_text))
-    return results, []
+        solved.append((job, rows, time.perf_counter() - begun))
+    # A file of its own takes longer than so cheap a job.
+    bundles = [solved] if len(solved) >= MANY else [[one] for one in solved]
+    return [encode(bundle, sweep_text) for bundle in bundles], list(jobs[len(solved) :])
 
 
 def solver_of(job: Job) -> Callable[[Job], tuple[str, str, list[Row]]]:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
 import pyarrow.parquet as pq
 
 from upwash.batch.folder import SUMMARY, ResultsFolder
-from upwash.batch.index import gathered_files
+from upwash.batch.index import table_files
+from upwash.batch.merging import one_result_a_job
 from upwash.batch.store import ROWS, SUMMARIES, noticing, open_table
 from upwash.errors import UpwashError
 
@@ -31,27 +33,33 @@ def rows_of(folder: ResultsFolder, beginning: str) -> list[dict[str, Any]]:
         If there is no such job, or more than one, or its file is damaged.
     """
     folder.require()
-    files = _files(folder)
-    ids = {job_id: path for path in files for job_id in _ids_in(path) if job_id.startswith(beginning)}
-    ids |= {job_id: folder.job_file(job_id) for job_id in folder.job_ids() if job_id.startswith(beginning)}
+    places: dict[str, list[Path]] = {}
+    for job_id in sorted(folder.job_ids()):
+        places[job_id] = [folder.job_file(job_id)]
+    # A folder that holds a summary alone has that.
+    for path in table_files(folder) or [path for path in [folder.path / SUMMARY] if path.exists()]:
+        for job_id in _ids_in(path):
+            places.setdefault(job_id, []).append(path)
+    ids = [job_id for job_id in places if job_id.startswith(beginning)]
     if len(ids) != 1 or not beginning:
         found = ", ".join(sorted(ids)[:SHOWN]) + (", ..." if len(ids) > SHOWN else "") if ids else "none"
         remedy = "give more of its id" if ids else f"'upwash status {folder}' tells what is there"
         raise UpwashError(
             f"{folder}: expected one job whose id begins with {beginning!r}, found {found}; {remedy}"
         )
-    (job_id, path), *_ = ids.items()
     kind = folder.kind()
-    schema = SUMMARIES[kind] if path.name == SUMMARY else ROWS[kind]
+    tables = [
+        _read(path, SUMMARIES[kind] if path.name == SUMMARY else ROWS[kind], ids[0])
+        for path in places[ids[0]]
+    ]
+    return one_result_a_job(tables).to_pylist()
+
+
+def _read(path: Path, schema: pa.Schema, job_id: str) -> pa.Table:
     with noticing(path), open_table(path, schema):
         return pq.read_table(
             path, filters=[("job_id", "=", job_id)], page_checksum_verification=True, use_threads=False
-        ).to_pylist()
-
-
-def _files(folder: ResultsFolder) -> list[Path]:
-    """Return the tables to look in; a folder that holds a summary alone has that."""
-    return gathered_files(folder) or [path for path in [folder.path / SUMMARY] if path.exists()]
+        )
 
 
 def _ids_in(path: Path) -> list[str]:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from upwash.batch.folder import ResultsFolder
-from upwash.batch.index import Index, Known, gathered_files, known_of, read_singles
+from upwash.batch.index import Known, known_of, note, table_files
 from upwash.batch.store import (
     ROWS,
     Damaged,
@@ -18,6 +18,7 @@ from upwash.batch.store import (
     metadata_of,
     noticing,
     open_table,
+    read_table,
     remove_temporary,
     replacing,
 )
@@ -25,8 +26,8 @@ from upwash.batch.store import (
 Tell = Callable[[str], None]
 
 
-def verified_index(folder: ResultsFolder, tell: Tell) -> Index:
-    """Return what a results folder holds, after looking at every bit of it.
+def verified_index(folder: ResultsFolder, tell: Tell) -> dict[str, Known]:
+    """Return how each job that has a result ended, after reading all of every file.
 
     Parameters
     ----------
@@ -40,16 +41,18 @@ def verified_index(folder: ResultsFolder, tell: Tell) -> Index:
     UpwashError
         If a file cannot be read, or another version of Upwash wrote it.
     """
-    remove_temporary(folder.path)
-    remove_temporary(folder.jobs)
+    for place in (folder.path, folder.jobs, folder.parts):
+        remove_temporary(place)
     kind = folder.kind()
-    index = Index()
-    for path in gathered_files(folder):
-        index.gathered |= _verified_table(folder, path, kind, tell)
-    index.single = read_singles(folder, verify=True)
-    for job_id in sorted(folder.job_ids() - index.single.keys()):
+    index: dict[str, Known] = {}
+    for job_id in sorted(folder.job_ids()):
         path = folder.job_file(job_id)
-        tell(f"{path}: damaged; set aside as {folder.set_aside(path)}, its job will be done again")
+        try:
+            note(index, {job_id: known_of(read_table(path, ROWS[kind]))[job_id]})
+        except (Damaged, KeyError):
+            tell(f"{path}: damaged; set aside as {folder.set_aside(path)}, its job will be done again")
+    for path in table_files(folder):
+        note(index, _verified_table(folder, path, kind, tell))
     return index
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import signal
 import time
-import zlib
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -21,12 +20,13 @@ from joblib import Parallel, delayed
 
 from upwash import columns as of
 from upwash.batch.folder import Entry, Plan, ResultsFolder, Shard, journal_line
-from upwash.batch.index import Index, Known, read_index
-from upwash.batch.job import Result, encode, failed_rows, needs_compiling, run_batch
+from upwash.batch.gather import Gathering
+from upwash.batch.index import Known, read_index
+from upwash.batch.job import Bundle, encode, failed_rows, needs_compiling, run_batch
 from upwash.batch.mend import verified_index
 from upwash.batch.progress import Progress
 from upwash.batch.selection import in_shard, is_to_run
-from upwash.batch.store import sync, write_atomic
+from upwash.batch.store import ROWS, sync, write_atomic
 from upwash.batch.workers import LOKY, stop, workers
 
 if TYPE_CHECKING:
@@ -127,9 +127,8 @@ def run_sweep(
         stack.enter_context(_stopping_on_signals())
         stack.enter_context(folder.locked(options.shard))
         folder.write_plan(plan)
-        index = _index(folder, options.shard, lambda line: print(line, file=stream))
+        known = _index(folder, options.shard, lambda line: print(line, file=stream))
         jobs = [job for job in jobs if in_shard(job.job_id, options.shard)]
-        known = index.jobs
         to_do = [job for job in jobs if is_to_run(known.get(job.job_id), options.retry_failed)]
         kept = len(jobs) - len(to_do)
         tally = Tally(len(jobs), kept, failed=_failed(jobs, known) if not options.retry_failed else 0)
@@ -137,7 +136,8 @@ def run_sweep(
             journal = stack.enter_context(folder.open_journal(options.shard, len(to_do)))
             progress = Progress(len(to_do), stream)
             stack.callback(progress.close)
-            run = _Run(folder, plan.text, journal, progress, tally, options)
+            gathering = Gathering(folder, options.shard, ROWS[plan.kind], plan.text)
+            run = _Run(folder, gathering, journal, progress, tally, options)
             try:
                 run.all(to_do)
             except _FirstFailure:
@@ -159,7 +159,7 @@ class _FirstFailure(Exception):
     """A job failed, and the user wants to stop there."""
 
 
-def _index(folder: ResultsFolder, shard: Shard, tell: Callable[[str], None]) -> Index:
+def _index(folder: ResultsFolder, shard: Shard, tell: Callable[[str], None]) -> dict[str, Known]:
     # Shards share the folder while they run: whoever has it alone, an unsharded run or `aggregate`, mends it.
     return read_index(folder) if shard.count > 1 else verified_index(folder, tell)
 
@@ -175,14 +175,14 @@ class _Run:
     def __init__(
         self,
         folder: ResultsFolder,
-        sweep_text: str,
+        gathering: Gathering,
         journal: IO[str],
         progress: Progress,
         tally: Tally,
         options: Options,
     ) -> None:
         self.folder = folder
-        self.sweep_text = sweep_text
+        self.gathering = gathering
         self.journal = journal
         self.progress = progress
         self.tally = tally
@@ -237,8 +237,8 @@ class _Run:
         try:
             with _signals_held():
                 outputs = pool(tasks)
-            for results, left in outputs:
-                self.take(results, left)
+            for bundles, left in outputs:
+                self.take(bundles, left)
         except BaseException:
             self.is_stopping = True
             if outputs is not None:
@@ -250,7 +250,7 @@ class _Run:
         self.flying[batch[0].job_id] = batch
         self.handed += len(batch)
         parent = os.getpid() if self.options.backend == LOKY else None
-        return delayed(run_batch)(batch, self.sweep_text, BATCH_S, parent)
+        return delayed(run_batch)(batch, self.gathering.sweep_text, BATCH_S, parent)
 
     def batches(self) -> Iterator[Any]:
         """Hand out batches; called from joblib's threads, one at a time."""
@@ -260,35 +260,45 @@ class _Run:
             batch = [self.queue.popleft() for _ in range(min(self.batch_size, fair))]
             yield self.task(batch)
 
-    def take(self, results: list[Result], left: list[Job]) -> None:
+    def take(self, bundles: list[Bundle], left: list[Job]) -> None:
         """Store the results of a batch, and put back what it did not get to."""
-        for result in results:
-            self.keep(result)
+        for bundle in bundles:
+            self.keep(bundle)
         sync(self.folder.jobs)
+        results = [result for bundle in bundles for result in bundle.results]
+        seconds = sum(result.seconds for result in results)
+        self.note(Entry(time.time(), len(results), seconds))
         del self.flying[results[0].job_id]
         self.stored += len(results) + len(left)
         self.queue.extend(left)
-        mean = sum(result.seconds for result in results) / len(results)
+        mean = seconds / len(results)
         fitting = len(results) if left else int(BATCH_S / max(mean, BATCH_S / MAX_BATCH))
         self.batch_size = max(1, min(2 * self.batch_size, fitting))
         self.progress.show()
 
-    def keep(self, result: Result) -> None:
-        """Store one result: the journal first, so that no file is ever there that it does not tell of."""
-        size, now = len(result.data), time.time()
-        cause = of.cause_of(result.error)
-        entry = Entry(result.status, result.seconds, size, zlib.crc32(result.data), now, cause)
+    def keep(self, bundle: Bundle) -> None:
+        """Store what came of one job, or of several; gather if there are many files now."""
+        results = bundle.results
+        # A job's own file that a power cut tears is noticed, and if it was cheap it is soon redone.
+        if len(results) == 1:
+            path, flush = self.folder.job_file(results[0].job_id), results[0].seconds > FLUSH_S
+        else:
+            path, flush = self.folder.new_part(len(results), self.options.shard), True
+        write_atomic(path, bundle.data, flush=flush)
+        self.gathering.added(len(results))
+        for result in results:
+            self.tally.done += 1
+            self.tally.failed += result.status == of.FAILED
+            self.progress.finished(result.job_id, result.status, result.error)
+        if self.options.fail_fast and any(result.status == of.FAILED for result in results):
+            raise _FirstFailure
+
+    def note(self, entry: Entry) -> None:
+        """Tell the journal, by which the rate is known."""
         try:
-            self.journal.write(journal_line(result.job_id, entry))
+            self.journal.write(journal_line(entry))
         except OSError as error:
             raise self.folder.cannot("write there", error) from error
-        # A cheap result that a power cut tears is noticed by its checksum, and soon redone.
-        write_atomic(self.folder.job_file(result.job_id), result.data, flush=result.seconds > FLUSH_S)
-        self.tally.done += 1
-        self.tally.failed += result.status == of.FAILED
-        self.progress.finished(result.job_id, result.status, result.error)
-        if result.status == of.FAILED and self.options.fail_fast:
-            raise _FirstFailure
 
     def after_a_death(self, death: BaseException) -> None:
         """Sort out what was in flight when a worker was killed.
@@ -307,7 +317,9 @@ class _Run:
             (suspects if is_suspect else others).extend(batch)
         self.queue.extendleft(reversed(others))
         if len(suspects) == 1 and (self.is_alone or named):
-            self.keep(encode(suspects[0], failed_rows(suspects[0], KILLED), 0.0, self.sweep_text))
+            self.keep(
+                encode([(suspects[0], failed_rows(suspects[0], KILLED), 0.0)], self.gathering.sweep_text)
+            )
         else:
             self.suspects.extend(suspects)
 

@@ -7,8 +7,11 @@ from collections import Counter
 from dataclasses import dataclass
 
 from upwash import columns as of
-from upwash.batch.folder import RECENT, Journals, ResultsFolder, entry_of
+from upwash.batch.folder import Journals, ResultsFolder
 from upwash.batch.index import Known, read_index
+
+RECENT_S = 600.0
+"""The rate is that of so long."""
 
 
 @dataclass(frozen=True)
@@ -54,15 +57,14 @@ def status_of(folder: ResultsFolder) -> Status:
         If the folder holds no results.
     """
     folder.require()
-    journals = folder.read_journals()
-    known = read_index(folder, journals).jobs
+    known = read_index(folder)
     plan = folder.plan()
     ids = plan.jobs if plan else list(known)
     ended = [known[job_id] for job_id in ids if job_id in known]
     counts = Counter(one.status for one in ended)
     left = len(ids) - len(ended)
     is_running = folder.in_use()
-    rate = _rate(journals) if is_running else None
+    rate = _rate(folder.read_journals()) if is_running else None
     return Status(
         results=str(folder),
         sweep=plan.sweep if plan else "",
@@ -85,11 +87,12 @@ def _cause(known: Known) -> str:
 
 
 def _rate(journals: Journals) -> float | None:
-    """Return the jobs a second of the present run."""
-    begun = max(journals.begun, default=0.0)
-    entries = filter(None, map(entry_of, journals.recent))
-    times = sorted(entry.time for entry in entries if entry.time >= begun)[-RECENT:]
-    if not times:
-        return None
-    since = begun if len(times) < RECENT else times[0]
-    return len(times) / max(time.time() - since, 1e-3)
+    """Return the jobs a second of the present run, of late."""
+    now, begun = time.time(), max(journals.begun, default=0.0)
+    since = max(begun, now - RECENT_S)
+    recent = [entry for entry in journals.done if entry.time >= since]
+    if not recent:
+        since = begun
+        recent = [entry for entry in journals.done if entry.time >= since]
+    jobs = sum(entry.jobs for entry in recent)
+    return jobs / max(now - since, 1e-3) if jobs else None

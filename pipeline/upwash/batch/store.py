@@ -6,7 +6,7 @@ import base64
 import json
 import os
 import subprocess
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import version
@@ -122,11 +122,16 @@ def table_of(rows: list[dict[str, Any]], schema: pa.Schema) -> pa.Table:
     return pa.Table.from_batches([pa.RecordBatch.from_struct_array(structs)])
 
 
-def encode(rows: list[dict[str, Any]], schema: pa.Schema, metadata: dict[str, str]) -> bytes:
-    """Return the bytes of a job's Parquet file."""
+def encode(
+    rows: list[dict[str, Any]],
+    schema: pa.Schema,
+    metadata: dict[str, str],
+    options: Mapping[str, Any] = JOB_FILE_OPTIONS,
+) -> bytes:
+    """Return the bytes of a Parquet file of a few rows, or with other options of more."""
     table = table_of(rows, schema).replace_schema_metadata(metadata)
     sink = pa.BufferOutputStream()
-    pq.write_table(table, sink, write_page_checksum=True, **JOB_FILE_OPTIONS)
+    pq.write_table(table, sink, write_page_checksum=True, **options)
     return sink.getvalue().to_pybytes()
 
 
@@ -136,7 +141,7 @@ def temporary(path: Path) -> Path:
 
 
 def remove_temporary(folder: Path) -> None:
-    """Remove what interrupted writes left in a folder."""
+    """Remove what interrupted writes left in a folder, if there is one."""
     for path in folder.glob(".*.tmp"):
         path.unlink()
 
@@ -234,11 +239,13 @@ class TableWriter:
 
 @contextmanager
 def noticing(path: Path) -> Iterator[None]:
-    """Turn whatever a Parquet reader says of a broken file into `Damaged`."""
+    """Turn whatever a Parquet reader says of a broken file into `Damaged`; that there is none stays as it is."""
     try:
         yield
     except (pa.ArrowException, ValueError, KeyError, OverflowError, MemoryError, EOFError) as error:
         raise Damaged(f"{path}: {' '.join(str(error).split())[:200]}") from error
+    except FileNotFoundError:
+        raise
     except OSError as error:
         if error.errno is not None:
             raise UpwashError(f"{path}: expected to read it, found: {error.strerror}; mend that") from error
