@@ -12,8 +12,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from upwash.compiled_cache import use_cache_folder
-
 if TYPE_CHECKING:
     from upwash.aero.bird import Bird
     from upwash.aero.wake import WakeModel
@@ -30,8 +28,6 @@ _HOME = {
     "solve_flock": "upwash.optimum",
     "solve_pair": "upwash.optimum",
 }
-
-use_cache_folder()
 
 
 def __getattr__(name: str) -> Any:

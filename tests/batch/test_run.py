@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import pyarrow.parquet as pq
 import pytest
 from conftest import wait_until
+from upwash import kernel
 from upwash.batch import merging, runner
 from upwash.batch.job import needs_compiling
 from upwash.batch.store import write_atomic
@@ -339,7 +340,7 @@ class TestCompiling:
     def test_is_known_to_be_done_once_a_job_has_been_solved(self, reproduced, tmp_path, monkeypatch):
         job = read_sweep("reproduce").jobs[0]
         assert not needs_compiling(job)
-        monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+        monkeypatch.setattr(kernel, "cache_folders", lambda: (tmp_path,))
         assert needs_compiling(job)
 
     def test_is_done_by_one_worker_while_the_others_wait(self, bench, monkeypatch):
@@ -352,7 +353,7 @@ class TestCompiling:
         assert ended == begun.replace("begun", "ended") and len(others) == 10
 
     def test_concerns_the_built_in_solver_alone(self, bench, tmp_path, monkeypatch):
-        monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "empty"))
+        monkeypatch.setattr(kernel, "cache_folders", lambda: (tmp_path,))
         bench.sweep("trivial", 2)
         assert "compiling" not in bench.run()[1]
 

@@ -380,7 +380,9 @@ def interpreted(module, replaced=None, **given):
     if replaced:
         assert source.count(replaced[0]) >= 1, f"nothing to mutate: {replaced[0]!r}"
         source = source.replace(*replaced)
-    source = source.replace("from numba import njit", "def njit(**_):\n    return lambda function: function")
+    plain = "def kernel(function=None, **_):\n    return function or (lambda function: function)"
+    assert "from upwash.kernel import kernel" in source
+    source = source.replace("from upwash.kernel import kernel", plain)
     mutant = ModuleType(module.__name__ + "_interpreted")
     # Dataclasses look their module up by name.
     sys.modules[mutant.__name__] = mutant

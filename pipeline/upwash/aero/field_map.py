@@ -11,13 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from upwash.aero.bird import Bird
 from upwash.aero.induction import fill_velocity
 from upwash.aero.interaction import phase_weights, span_nodes, state_circulation_ratio
 from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
+from upwash.kernel import kernel
 
 PLANES = {"xy": "y", "xz": "z", "xk": "phase"}
 """Each plane's second coordinate; the first is x."""
@@ -51,7 +51,7 @@ class ForceMap:
     thrust_n: NDArray[np.float64]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _add_force(positions, aside, above, per_velocity, rings, circulation, core_radius, force):
     """Add to each position's lift and thrust what the wake's velocity at one span node gives in one state."""
     points, wind = np.empty((BLOCK, 3)), np.empty((BLOCK, 3))

@@ -13,8 +13,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
+
+from upwash.kernel import kernel
 
 FOUR_PI = 4.0 * math.pi
 
@@ -28,7 +29,7 @@ END_FLOOR = 1e-24
 FAST = {"contract", "reassoc", "nsz"}
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel(fastmath=FAST)
 def filament_velocity(
     point_x, point_y, point_z, start_x, start_y, start_z, end_x, end_y, end_z, circulation, core_radius
 ):
@@ -69,7 +70,7 @@ def filament_velocity(
     return factor * cross_x, factor * cross_y, factor * cross_z
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
+@kernel(fastmath=FAST, inline="always")
 def ring_velocity_gradient(
     point_x,
     point_y,
@@ -178,7 +179,7 @@ def ring_velocity_gradient(
     )
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@kernel(fastmath=FAST)
 def _add_ring_velocity(x, y, z, ring, circulation, core2, velocity_x, velocity_y, velocity_z):
     """Add one ring's velocity at many points: `ring_velocity_gradient` without the gradient."""
     floor = END_FLOOR * core2
@@ -217,7 +218,7 @@ def _add_ring_velocity(x, y, z, ring, circulation, core2, velocity_x, velocity_y
 BLOCK = 512
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _fill_block(points, rings, circulation, core2, x, y, z, velocity_x, velocity_y, velocity_z, velocity):
     """Overwrite one block's velocity, working in six rows as long as the block."""
     for i in range(points.shape[0]):
@@ -230,7 +231,7 @@ def _fill_block(points, rings, circulation, core2, x, y, z, velocity_x, velocity
         velocity[i, 0], velocity[i, 1], velocity[i, 2] = velocity_x[i], velocity_y[i], velocity_z[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def fill_velocity(points, rings, circulation, core_radius, velocity):
     """Overwrite an array with the velocity of rings at points; `velocity` for compiled loops and threads.
 
@@ -298,7 +299,7 @@ def velocity(
     return found.reshape(points.shape)
 
 
-@njit(cache=True, nogil=True)
+@kernel(error_model="python")
 def _velocity_gradient(points, rings, circulation, core_radius, gradient):
     for i in range(points.shape[0]):
         for k in range(circulation.size):

@@ -15,12 +15,12 @@ The two components of v that matter are v_x (lift) and v_z (thrust).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from upwash.aero.induction import FAST, FOUR_PI, ring_velocity_gradient
 from upwash.aero.interaction import span_nodes
 from upwash.aero.wake import Wake, stroke_height, stroke_span
+from upwash.kernel import kernel
 
 # Rows of the array of lanes.
 FIRST_X, LAST_X, FIRST_Z, LAST_Z, CENTRE_Y, HALF_WIDTH = range(6)  # the ring
@@ -84,7 +84,7 @@ def wake_lanes(
     return np.ascontiguousarray(np.array(columns).T)
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@kernel(fastmath=FAST)
 def wake_force_jacobian(point, lanes, core2, edges, jacobian):
     """Return the wake-induced lift and thrust and fill in their Jacobian.
 

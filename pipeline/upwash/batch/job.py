@@ -182,8 +182,12 @@ def needs_compiling(job: Job) -> bool:
 
     The proof is what is compiled last.
     """
-    kept = Path(os.environ["NUMBA_CACHE_DIR"]).glob("*/certify.*.nbi")
-    return job.solver == BUILT_IN_SOLVER and not any(kept)
+    if job.solver != BUILT_IN_SOLVER:
+        return False
+    from upwash.kernel import is_kept
+    from upwash.optimum.certify import clear_boxes
+
+    return not is_kept(clear_boxes)
 
 
 def job_of(row: Mapping[str, Any]) -> Job:

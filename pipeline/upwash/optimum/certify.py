@@ -21,9 +21,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from upwash.kernel import kernel
 from upwash.optimum.enclosure import (
     BY_RATIO,
     BY_X,
@@ -100,7 +100,7 @@ class Certificate:
     found: Basin | None
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _couple(low, high, limits):
     """Shrink z_up and z_down to the ranges of mean height and amplitude; return whether anything is left."""
     z_low, z_high, h_low, h_high = limits[0], limits[1], limits[2], limits[3]
@@ -111,7 +111,7 @@ def _couple(low, high, limits):
     return low[2] <= high[2] and low[3] <= high[3]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def relax(low, high, widths, forms, constants, phase_end, relaxation):
     """Reduce a box to an affine relaxation: cost and two residuals as forms in the six offsets.
 
@@ -190,7 +190,7 @@ def relax(low, high, widths, forms, constants, phase_end, relaxation):
     return product
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def dual_bound(relaxation, product, widths, nu_lift, nu_thrust):
     """Return a lower bound of the Lagrangian over a box.
 
@@ -217,7 +217,7 @@ def dual_bound(relaxation, product, widths, nu_lift, nu_thrust):
     return total - abs(nu_thrust + by_thrust) * product
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _climb(relaxation, product, widths, nu, d_lift, d_thrust, work):
     """Move the multipliers to the maximum of the dual along a direction; return whether it has one.
 
@@ -259,7 +259,7 @@ def _climb(relaxation, product, widths, nu, d_lift, d_thrust, work):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _ascend(relaxation, product, widths, nu, threshold, work):
     """Improve the multipliers until the bound exceeds the threshold or no search direction helps; return the bound."""
     best = dual_bound(relaxation, product, widths, nu[0], nu[1])
@@ -287,7 +287,7 @@ def _ascend(relaxation, product, widths, nu, threshold, work):
     return best
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _contract(low, high, relaxation, product, widths, cost_weight, nu_lift, nu_thrust, level):
     """Cut off what of the rim violates weight·cost + ν·residuals ≤ level; return whether anything is left."""
     total = cost_weight * relaxation[0, 0] + nu_lift * relaxation[1, 0] + nu_thrust * relaxation[2, 0]
@@ -318,7 +318,7 @@ def _contract(low, high, relaxation, product, widths, cost_weight, nu_lift, nu_t
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scratch, forms):
     """Try to clear a box; cut off what can be cut off.
 
@@ -406,7 +406,7 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
             return OPEN, bound
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _split_variable(low, high, nu, relaxation):
     """Choose the variable whose range widens the bound most.
 
@@ -435,7 +435,7 @@ def _split_variable(low, high, nu, relaxation):
     return chosen
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def clear_boxes(
     lows, highs, multipliers, floors, height, limits, threshold, budget, lanes, constants, phase_end, centre
 ):

@@ -8,7 +8,6 @@ surface here.  An edge's distance is s = r²/r_c² − 1: negative in the core, 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from upwash.aero.lanes import (
@@ -27,6 +26,7 @@ from upwash.aero.lanes import (
     SPAN_FLEXED,
     STEADY,
 )
+from upwash.kernel import kernel
 
 FILAMENTS = ("starting", "stopping", "left tip", "right tip")
 """The filaments of a ring, in the order of the first axis of an `edges` array."""
@@ -34,7 +34,7 @@ FILAMENTS = ("starting", "stopping", "left tip", "right tip")
 FIRST, LAST, LEFT, RIGHT = range(4)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def edge_distance(point, lanes, core2, lane, filament, gradient):
     """Return how far a lane's node is from a filament's core edge, and fill in the gradient.
 
@@ -81,7 +81,7 @@ def edge_distance(point, lanes, core2, lane, filament, gradient):
     return (dy * dy + off_plane * off_plane) / core2 - 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def edge_pull(point, lanes, core2, group, edge, multipliers):
     """Return what the filaments of an edge add to the Lagrangian at that edge.
 

@@ -27,8 +27,6 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from upwash.aero.induction import END_FLOOR, FAST
 from upwash.aero.lanes import (
     ALONG_X,
@@ -43,6 +41,7 @@ from upwash.aero.lanes import (
     SLIDING,
     STEADY,
 )
+from upwash.kernel import kernel
 
 ROUNDING = 64.0 * 2.0**-52
 """Share of a quantity that rounding may take from it: no sum or product here is of more than sixty-four roundings."""
@@ -57,7 +56,7 @@ HALF_CURVATURE = 1.0 / math.sqrt(3.0)
 VALUE, BY_X, BY_Y, BY_Z, BY_RATIO, RADIUS = range(6)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel(fastmath=FAST)
 def _enclose_strength(
     p0, x0, y0, z0, per_n0, near0, p1, x1, y1, z1, per_n1, near1, ax, ay, az, wx, wy, wz, square
 ):  # fmt: skip
@@ -88,7 +87,7 @@ def _enclose_strength(
     )
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel(fastmath=FAST)
 def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
     """Enclose a / max(a² + c², core2): value, slopes by a and c, radius."""
     per_core = 1.0 / core2
@@ -122,7 +121,7 @@ def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
     )
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel(fastmath=FAST)
 def _multiply(u, ux, uy, uz, u_radius, u_range, k, kx, ky, kz, k_radius, wx, wy, wz):
     """Multiply two forms: value, three slopes, radius."""
     k_range = abs(kx) * wx + abs(ky) * wy + abs(kz) * wz + k_radius
@@ -130,7 +129,7 @@ def _multiply(u, ux, uy, uz, u_radius, u_range, k, kx, ky, kz, k_radius, wx, wy,
     return u * k, u * kx + k * ux, u * ky + k * uy, u * kz + k * uz, radius
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy", inline="always")
+@kernel(fastmath=FAST, inline="always")
 def enclose_ring(
     x, y, z, wx, wy, wz, first_x, last_x, first_z, last_z, half_width, ax, az, core2
 ):  # fmt: skip
@@ -222,7 +221,7 @@ def enclose_ring(
     )
 
 
-@njit(cache=True, fastmath=FAST, nogil=True, error_model="numpy")
+@kernel(fastmath=FAST)
 def enclose_wake_force(
     x, y, z, ratio, wx, wy, wz, w_ratio, lanes, first, last, flexes, phase_end, core2, forms
 ):
@@ -310,7 +309,7 @@ def enclose_wake_force(
     _store_form(forms[1, 1], t1, t1x, t1y, t1z, t1s, t1r, span, wx, wy, wz, w_span, rounding)
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
+@kernel(fastmath=FAST)
 def _store_form(form, value, by_x, by_y, by_z, by_span, radius, span, wx, wy, wz, w_span, rounding):
     """Multiply the mean wind's form by the half-span and store it."""
     reach = abs(by_x) * wx + abs(by_y) * wy + abs(by_z) * wz + abs(by_span) * w_span + radius

@@ -14,8 +14,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from upwash.kernel import kernel
 from upwash.optimum.edges import edge_distance, edge_pull
 from upwash.optimum.problem import CORE2, evaluate
 from upwash.optimum.quadratic import MOST_INEQUALITIES, solve_quadratic
@@ -37,7 +37,7 @@ BALANCED = 1e-11
 SOLVED, UNBALANCED, STALLED = range(3)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _lagrangian_gradient(
     point, lanes, edges, constants, multipliers, representative, edge_multipliers, work, found
 ):
@@ -53,7 +53,7 @@ def _lagrangian_gradient(
                 found[i] += edge_multipliers[edge] * gradient[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def lagrangian_hessian(
     point, lanes, edges, constants, multipliers, representative, edge_multipliers, work, hessian
 ):
@@ -97,7 +97,7 @@ def lagrangian_hessian(
             hessian[j, i] = mean
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _set_side(edges, group, edge, value):
     for filament in range(group.shape[0]):
         for lane in range(group.shape[1]):
@@ -105,7 +105,7 @@ def _set_side(edges, group, edge, value):
                 edges[filament, lane] = value
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _is_positive_definite(matrix, shift, factor):
     for j in range(6):
         diagonal = matrix[j, j] + shift
@@ -123,7 +123,7 @@ def _is_positive_definite(matrix, shift, factor):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _convexify(matrix, factor):
     """Add to the diagonal the least multiple of 1, within a tenth, that makes the matrix positive definite."""
     if _is_positive_definite(matrix, 0.0, factor):
@@ -141,7 +141,7 @@ def _convexify(matrix, factor):
         matrix[i, i] += enough
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def solve_local(start, lanes, group, representative, constants, bounds, point, multipliers, pins):
     """Descend from a start to a local optimum.
 
@@ -409,7 +409,7 @@ def solve_local(start, lanes, group, representative, constants, bounds, point, m
     return status, cost, iteration
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _correct(
     trial,
     residual,

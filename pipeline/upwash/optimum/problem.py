@@ -14,7 +14,6 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
@@ -27,6 +26,7 @@ from upwash.aero.power import (
     parasite_power_w,
 )
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
+from upwash.kernel import kernel
 
 VARIABLES = ("x", "y", "z", "h", "R", "mu")
 """Names of the six variables, in order, as they appear in `active_bounds`."""
@@ -232,7 +232,7 @@ LEVEL = 0.5
 """Largest vertical distance, in amplitudes of the first bird, of a follower level with its leader."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def evaluate(point, lanes, edges, constants, residual, gradient, jacobian):
     """Return the scaled cost of a point; fill in its gradient and the balances with their Jacobian.
 
@@ -273,7 +273,7 @@ def evaluate(point, lanes, edges, constants, residual, gradient, jacobian):
     return cost
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def cost_of(lift, thrust, constants):
     """Return the scaled cost of self-generated lift and thrust (in weights) and its derivatives by the two."""
     force = math.sqrt(lift * lift + thrust * thrust)

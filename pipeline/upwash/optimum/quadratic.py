@@ -9,7 +9,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from upwash.kernel import kernel
 
 N = 6
 MOST_INEQUALITIES = 10
@@ -17,7 +18,7 @@ MOST_CHANGES = 60
 TOLERANCE = 1e-12
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _cholesky(matrix, n):
     """Factorise the leading n × n block in place (lower triangle); return whether it is positive definite."""
     for j in range(n):
@@ -36,7 +37,7 @@ def _cholesky(matrix, n):
     return True
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _cholesky_solve(factor, n, vector):
     """Overwrite the vector by the solution of the factorised system."""
     for i in range(n):
@@ -49,7 +50,7 @@ def _cholesky_solve(factor, n, vector):
         vector[i] /= factor[i, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def solve_quadratic(
     hessian, linear, lower, upper, slopes, levels, count, step, at_bound, is_active, multipliers, work
 ):

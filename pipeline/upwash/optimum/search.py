@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from upwash.kernel import kernel
 from upwash.optimum.edges import distinct_edges
 from upwash.optimum.local import SCALE, SOLVED, solve_local
 from upwash.optimum.problem import ASTERN, CORE2, OUTBOARD, PairProblem
@@ -57,7 +57,7 @@ class Basin:
     hits: int
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def solve_many(
     starts, lanes, group, representative, constants, bounds, points, costs, multipliers, pins, status
 ):
