@@ -15,7 +15,7 @@ import pyarrow as pa
 
 from upwash.batch.folder import RETIRED, SUMMARY, Plan, ResultsFolder
 from upwash.batch.mend import verified_index
-from upwash.batch.merging import JobFiles, Table, merged, only, without
+from upwash.batch.merging import merged, only, sources_of, without
 from upwash.batch.store import (
     GATHERED,
     ROWS,
@@ -54,11 +54,10 @@ def aggregate(folder: ResultsFolder, tell: Callable[[str], None]) -> Gathered:
         if not ids:
             raise UpwashError(f"{folder}: expected finished jobs, found none; run the sweep first")
         plan = folder.plan() or Plan("", folder.kind(), "", ids)
-        parts = folder.part_files()
-        singles = JobFiles(folder, folder.job_ids(), ROWS[plan.kind])
-        _write_tables(folder, plan, ids, singles, parts)
+        gathered = [*map(folder.job_file, folder.job_ids()), *folder.part_files()]
+        _write_tables(folder, plan, ids)
         sync(folder.path)
-        for path in (*singles.given, *parts, *folder.journals()):
+        for path in (*gathered, *folder.journals()):
             path.unlink()
         with suppress(OSError):
             folder.parts.rmdir()
@@ -67,14 +66,12 @@ def aggregate(folder: ResultsFolder, tell: Callable[[str], None]) -> Gathered:
         return Gathered(found, len(named) - found, len(ids) - found)
 
 
-def _write_tables(
-    folder: ResultsFolder, plan: Plan, ids: list[str], singles: JobFiles, parts: list[Path]
-) -> None:
+def _write_tables(folder: ResultsFolder, plan: Plan, ids: list[str]) -> None:
     schema, named = ROWS[plan.kind], pa.array(plan.jobs, pa.string())
     current_path, retired_path = folder.path / GATHERED[plan.kind], folder.path / RETIRED
     with ExitStack() as files, ExitStack() as finished:
-        old = [Table(files, path, schema) for path in (current_path, retired_path) if path.exists()]
-        were_retired = set(old[-1].ids()) if retired_path.exists() else set()
+        sources = sources_of(files, folder, schema, strict=True)
+        were_retired = set(sources[-1].ids()) if retired_path.exists() else set()
         has_retired = bool(were_retired) or not set(ids) <= set(plan.jobs)
         # What is named again stays among the retired rows, too, so that it is in a file at every moment.
         never_retired = pa.array([job_id for job_id in plan.jobs if job_id not in were_retired], pa.string())
@@ -82,8 +79,6 @@ def _write_tables(
         summaries = _open(finished, folder.path / SUMMARY, SUMMARIES[plan.kind])
         current = _open(finished, current_path, schema)
         retired = _open(finished, retired_path, schema) if has_retired else None
-        new = (Table(files, path, schema) for path in parts)
-        sources: list[JobFiles | Table] = [singles, *new, *old]
         for rows in merged(sources, ids):
             of_the_sweep = only(rows, named)
             current.write(of_the_sweep)

@@ -17,7 +17,8 @@ import pyarrow.compute as pc
 
 from upwash import columns as of
 from upwash.batch.folder import ResultsFolder
-from upwash.batch.store import Damaged, metadata_of, open_table, read_table
+from upwash.batch.index import table_files
+from upwash.batch.store import Damaged, metadata_of, noticing, open_table, read_table
 
 JOBS_PER_PIECE = 1000
 """Jobs in a row group of a gathered table, which is read, checked and, if it is damaged, lost as one."""
@@ -39,7 +40,7 @@ def merged(
     """
     count = jobs_per_piece or JOBS_PER_PIECE
     for bound in [*ids[count::count], None]:
-        yield in_order(one_result_a_job([source.below(bound) for source in sources]))
+        yield Several(sources).below(bound)
 
 
 def one_result_a_job(tables: Sequence[pa.Table]) -> pa.Table:
@@ -79,10 +80,39 @@ def _failed_jobs(table: pa.Table) -> pa.Array:
     return failed.column("job_id").unique()
 
 
+def sources_of(
+    stack: ExitStack, folder: ResultsFolder, schema: pa.Schema, strict: bool = False
+) -> list[JobFiles | Table]:
+    """Return all that a folder's rows are in, the newest first; the stack keeps files open."""
+    tables = (Table(stack, path, schema) for path in table_files(folder))
+    return [JobFiles(folder, folder.job_ids(), schema, strict), *tables]
+
+
+class Several:
+    """The rows of several sources, as one."""
+
+    def __init__(self, sources: Sequence[JobFiles | Table]) -> None:
+        self.sources = sources
+
+    @property
+    def metadata(self) -> list[dict[str, str]]:
+        """The metadata of the files read until now."""
+        return [one for source in self.sources for one in source.metadata]
+
+    def ids(self) -> Iterable[str]:
+        """Return the jobs not yet given."""
+        return {job_id for source in self.sources for job_id in source.ids()}
+
+    def below(self, bound: str | None) -> pa.Table:
+        """Return the rows not yet given of jobs below a bound, or all of them."""
+        return in_order(one_result_a_job([source.below(bound) for source in self.sources]))
+
+
 class Table:
     """The rows of a file of many jobs, sorted by job in row groups of whole jobs; read a group at a time."""
 
     def __init__(self, stack: ExitStack, path: Path, schema: pa.Schema) -> None:
+        self.path = path
         self.file = stack.enter_context(open_table(path, schema))
         self.metadata = [metadata_of(self.file.schema_arrow)]
         self.groups = iter(range(self.file.num_row_groups))
@@ -99,7 +129,9 @@ class Table:
             number = next(self.groups, None)
             if number is None:
                 break
-            parts.append(self.file.read_row_group(number, use_threads=False).replace_schema_metadata())
+            with noticing(self.path):
+                rows = self.file.read_row_group(number, use_threads=False)
+            parts.append(rows.replace_schema_metadata())
         rows = pa.concat_tables(parts)
         count = rows.num_rows if bound is None else pc.sum(pc.less(rows.column("job_id"), bound)).as_py() or 0
         self.held = rows.slice(count)
@@ -112,10 +144,13 @@ def _all_below(rows: pa.Table, bound: str) -> bool:
 
 
 class JobFiles:
-    """The rows of the jobs' own files; one that is damaged, or gone since, is passed over."""
+    """The rows of the jobs' own files; unless `strict`, one that is damaged, or gone since, is passed over."""
 
-    def __init__(self, folder: ResultsFolder, ids: Iterable[str], schema: pa.Schema) -> None:
+    def __init__(
+        self, folder: ResultsFolder, ids: Iterable[str], schema: pa.Schema, strict: bool = False
+    ) -> None:
         self.folder = folder
+        self.strict = strict
         self.waiting = deque(sorted(ids))
         self.schema = schema
         self.metadata: list[dict[str, str]] = []
@@ -133,6 +168,8 @@ class JobFiles:
             try:
                 table = read_table(path, self.schema)
             except (Damaged, FileNotFoundError):
+                if self.strict:
+                    raise
                 continue
             metadata = metadata_of(table.schema)
             if metadata not in self.metadata:

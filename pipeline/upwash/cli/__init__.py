@@ -29,6 +29,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     },
     "Sweeps over many": {
         "run": ("runs", "Solve every job of a sweep; finished jobs are kept."),
+        "merge": ("runs", "Make one results folder of those of a sweep's parts."),
         "status": ("runs", "Say how far a sweep has come."),
         "aggregate": ("runs", "Gather the jobs' results into one table each."),
         "check": ("runs", "Check that a results folder holds what it must."),

@@ -1,4 +1,4 @@
-"""Sweeps over many: run, status, aggregate, check, show, rerun, diff."""
+"""Sweeps over many: run, merge, status, aggregate, check, show, rerun, diff."""
 
 from __future__ import annotations
 
@@ -117,6 +117,35 @@ def run(
     if tally.failed:
         _say("see 'upwash status' for the causes; --retry-failed does them again")
         raise click.exceptions.Exit(FAILED_EXIT)
+
+
+@click.command()
+@click.argument("out", metavar="OUT")
+@click.argument("parts", metavar="PART...", nargs=-1, required=True)
+@as_json
+def merge(out: str, parts: tuple[str, ...], as_json: bool) -> None:
+    """Make one results folder of those that the parts of a sweep wrote.
+
+    PARTs are results folders of one sweep, gathered or not; they stay as they are. OUT is made new. A job that
+    failed in one and is solved in another is solved; two results of a job that do not agree are refused.
+
+    \b
+    Example:
+      upwash merge results/whole results/part-1 results/part-2
+    """
+    from upwash.batch.folder import ResultsFolder
+    from upwash.batch.merge import merge as make_one
+
+    merged = make_one(ResultsFolder(out), [ResultsFolder(part) for part in parts])
+    if as_json:
+        _print_json({"results": out, **asdict(merged), "left": merged.left})
+        return
+    for part, jobs in merged.by_folder.items():
+        _say(f"{part}: {jobs} jobs")
+    more = [(merged.twice, "in several of them"), (merged.failed, "failed"), (merged.left, "left")]
+    more += [(merged.others, "that the sweep does not name")]
+    words = "".join(f", {count} {what}" for count, what in more if count)
+    _say(f"{out}: {merged.found} of {merged.jobs} jobs{words}")
 
 
 @click.command()
