@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from upwash.aero.field_map import force_map
 from upwash.aero.interaction import net_force
+from upwash.aero.pose import Pose, Stroke
 
 from benchmarks.contest import Contender, Contest
 from benchmarks.wake_force import IBIS, PLACE, numpy_force
@@ -22,8 +23,8 @@ def places(size):
 def compiled(size):
     """Return lift and thrust over a plane from the compiled map."""
     x, y, z, amplitude, ratio, mu = PLACE
-    stroke = IBIS.amplitude_m, IBIS.upstroke_span_ratio
-    found = force_map(IBIS, *stroke, (x, y, z, 0.5 + mu), amplitude, ratio, "xy", *places(size))
+    pose = Pose(x, y, z, Stroke(amplitude, ratio), 0.5 + mu)
+    found = force_map(IBIS, IBIS.stroke, pose, "xy", *places(size))
     return np.stack([found.lift_n, found.thrust_n])
 
 
@@ -37,8 +38,7 @@ def by_place(force):
 def plain(place):
     """Return lift and thrust from the plain statement of the model."""
     x, y, z, amplitude, ratio, mu = place
-    stroke = IBIS.amplitude_m, IBIS.upstroke_span_ratio
-    return np.array(net_force(IBIS, *stroke, (x, y, z), amplitude, ratio, 0.5 + mu))
+    return np.array(net_force(IBIS, IBIS.stroke, Pose(x, y, z, Stroke(amplitude, ratio), 0.5 + mu)))
 
 
 def contest() -> Contest:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from upwash.optimum import solve_pair
 from upwash.optimum.certify import certify
 from upwash.optimum.evidence import gather_evidence
-from upwash.optimum.pieces import STARTS
+from upwash.optimum.pair import solve_pair
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.search import Search
+from upwash.optimum.settings import SearchSettings
 
 from benchmarks.contest import Contender, Contest
 from benchmarks.local_solve import Model, scipy_slsqp
@@ -35,8 +35,8 @@ class Parts:
     def explore(self):
         """Solve from a job's starts: in each kind of place, in the V region, around the best."""
         search, v_bounds = Search(self.problem), self.problem.v_bounds()
-        search.explore_places(STARTS)
-        in_v = search.random_starts(v_bounds, STARTS)
+        search.explore_places(SearchSettings.starts)
+        in_v = search.random_starts(v_bounds, SearchSettings.starts)
         search.descend(in_v, v_bounds)
         search.explore(in_v)
         search.explore_around_best()
@@ -59,7 +59,7 @@ def contest() -> Contest:
         parts = Parts(objective)
         best, best_in_v = parts.costs
         for name, run in (
-            ("whole job", lambda objective=objective: solve_pair(IBIS, objective, tolerance=TOLERANCE)),
+            ("whole job", lambda objective=objective: solve_pair(IBIS, objective)),
             ("search", parts.explore),
             ("proof of the V optimum", lambda p=parts, cost=best_in_v: p.prove(p.problem.v_bounds(), cost)),
             ("proof of the global optimum", lambda p=parts, cost=best: p.prove(p.problem.bounds, cost)),

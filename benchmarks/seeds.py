@@ -17,7 +17,9 @@ from joblib import Parallel, delayed
 from upwash.aero.bird import Bird
 from upwash.batch.store import schema_of
 from upwash.columns import INTEGER, TEXT, TRUTH, Column
-from upwash.optimum import PairSolution, solve_pair
+from upwash.optimum.pair import solve_pair
+from upwash.optimum.settings import SearchSettings
+from upwash.optimum.solution import PairSolution
 
 from benchmarks.wake_force import IBIS
 
@@ -104,20 +106,13 @@ def tasks(seeds: int, birds: int) -> Iterator[Task]:
 def solved(task: Task) -> dict[str, Any]:
     """Solve a task and return its row."""
     bird, b = task.bird, task.bird.semispan_m
-    leader = bird.amplitude_m, bird.upstroke_span_ratio
+    leader, search = bird.stroke, SearchSettings(task.seed, TOLERANCE)
     if task.is_in_flock:
-        before = solve_pair(bird, task.objective, seed=task.seed, tolerance=TOLERANCE)
+        before = solve_pair(bird, task.objective, search=search)
         ahead = before.v_optimum or before.global_optimum
         if ahead:
-            leader = ahead.amplitude_m, ahead.upstroke_span_ratio
-    solution = solve_pair(
-        bird,
-        task.objective,
-        leader_amplitude_m=leader[0],
-        leader_upstroke_span_ratio=leader[1],
-        seed=task.seed,
-        tolerance=TOLERANCE,
-    )
+            leader = ahead.pose.stroke
+    solution = solve_pair(bird, task.objective, ahead=leader, search=search)
     return {
         "contest": task.contest,
         "objective": task.objective,
@@ -127,8 +122,8 @@ def solved(task: Task) -> dict[str, Any]:
         "wavelength": bird.wavelength_m / b,
         "height": bird.amplitude_m / b,
         "span_ratio": bird.upstroke_span_ratio,
-        "leader_height": leader[0] / b,
-        "leader_span_ratio": leader[1],
+        "leader_height": leader.amplitude_m / b,
+        "leader_span_ratio": leader.span_ratio,
     } | outcome(solution)
 
 
@@ -153,7 +148,7 @@ def outcome(solution: PairSolution) -> dict[str, Any]:
 
 def study(seeds: int, birds: int, workers: int) -> list[dict[str, Any]]:
     """Solve all tasks; the rows are in the order of the tasks, whatever the number of workers."""
-    solve_pair(IBIS, starts=1, most_boxes=1)  # compiles what is not compiled yet
+    solve_pair(IBIS, search=SearchSettings(starts=1, most_boxes=1))  # compiles what is not compiled yet
     return Parallel(n_jobs=workers)(delayed(solved)(task) for task in tasks(seeds, birds))
 
 

@@ -7,6 +7,7 @@ from numba import njit
 from upwash.aero.bird import Bird
 from upwash.aero.interaction import phase_piece, phase_weights, wake_force
 from upwash.aero.lanes import wake_force_jacobian, wake_lanes
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 
 from benchmarks.contest import Contender, Contest
@@ -86,17 +87,7 @@ def with_differences(force):
 def plain_force(place):
     """Return lift and thrust from the plain statement of the model."""
     x, y, z, amplitude, ratio, mu = place
-    return np.array(
-        wake_force(
-            IBIS,
-            IBIS.amplitude_m,
-            IBIS.upstroke_span_ratio,
-            (x, y, z),
-            amplitude,
-            ratio,
-            0.5 + mu,
-        )
-    )
+    return np.array(wake_force(IBIS, IBIS.stroke, Pose(x, y, z, Stroke(amplitude, ratio), 0.5 + mu)))
 
 
 def contest() -> Contest:

@@ -3,8 +3,10 @@
 The names below load when they are first used, so that ``import upwash`` (and with it ``upwash --help``)
 costs nothing:
 
->>> from upwash import load_species, solve_pair  # doctest: +SKIP
->>> solve_pair(load_species("northern-bald-ibis").bird()).rows()[0]["saving_total"]  # doctest: +SKIP
+>>> from upwash import load_species, solve_pair
+>>> solution = solve_pair(load_species("northern-bald-ibis").bird(), "power")
+>>> print(f"{solution.v_optimum.saving_total:.1%}")
+16.6%
 """
 
 from __future__ import annotations
@@ -14,19 +16,39 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from upwash.aero.bird import Bird
+    from upwash.aero.interaction import wake_force
+    from upwash.aero.pose import Pose, Stroke
     from upwash.aero.wake import WakeModel
-    from upwash.optimum import solve_flock, solve_pair
+    from upwash.optimum.flock import solve_flock
+    from upwash.optimum.pair import solve_pair
+    from upwash.optimum.settings import FlockRules, SearchSettings
     from upwash.species import load_species
 
 __version__ = "0.1.0"
-__all__ = ["Bird", "WakeModel", "load_species", "solve_flock", "solve_pair"]
+__all__ = [
+    "Bird",
+    "FlockRules",
+    "Pose",
+    "SearchSettings",
+    "Stroke",
+    "WakeModel",
+    "load_species",
+    "solve_flock",
+    "solve_pair",
+    "wake_force",
+]
 
 _HOME = {
     "Bird": "upwash.aero.bird",
+    "FlockRules": "upwash.optimum.settings",
+    "Pose": "upwash.aero.pose",
+    "SearchSettings": "upwash.optimum.settings",
+    "Stroke": "upwash.aero.pose",
     "WakeModel": "upwash.aero.wake",
     "load_species": "upwash.species",
-    "solve_flock": "upwash.optimum",
-    "solve_pair": "upwash.optimum",
+    "solve_flock": "upwash.optimum.flock",
+    "solve_pair": "upwash.optimum.pair",
+    "wake_force": "upwash.aero.interaction",
 }
 
 

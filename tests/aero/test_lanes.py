@@ -28,6 +28,7 @@ from upwash.aero.lanes import (
     wake_force_jacobian,
     wake_lanes,
 )
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel, vortex_wake
 
 LEADER = 1.04, 0.4  # amplitude in m, upstroke span ratio
@@ -100,15 +101,8 @@ def test_the_compiled_force_is_the_force_of_the_model(slack_ibis, states, nodes)
         lanes, core2 = lanes_of(slack_ibis, states, nodes, piece)
         for point in followers(states, 12, seed=piece):
             x, y, z, amplitude, ratio, t = point
-            expected = wake_force(
-                slack_ibis,
-                *LEADER,
-                (b * x, b * y, b * z),
-                b * amplitude,
-                ratio,
-                piece / states + t,
-                model,
-            )
+            pose = Pose(b * x, b * y, b * z, Stroke(b * amplitude, ratio), piece / states + t)
+            expected = wake_force(slack_ibis, Stroke(*LEADER), pose, model)
             found, _ = force_and_jacobian(point, lanes, core2)
             assert found == pytest.approx(expected, rel=1e-11, abs=1e-12)
 

@@ -210,10 +210,14 @@ class TestFlocks:
         )
 
     def test_sweeps_know_the_choices_that_the_solver_knows(self):
-        from upwash.optimum import flock
+        from upwash.optimum import settings
         from upwash.sweep.file import FLOCK_CHOICES
 
-        assert FLOCK_CHOICES == {"shape": flock.SHAPES, "wake": flock.WAKES, "reading": flock.READINGS}
+        assert FLOCK_CHOICES == {
+            "shape": settings.SHAPES,
+            "wake": settings.WAKES,
+            "reading": settings.READINGS,
+        }
 
 
 class TestTables:

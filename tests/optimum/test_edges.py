@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from upwash.aero.lanes import HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
+from upwash.aero.pose import Stroke
 from upwash.aero.wake import WakeModel
 from upwash.optimum.edges import FILAMENTS, distinct_edges, edge_distance, edge_pull
 from upwash.optimum.evidence import describe_edge
@@ -18,7 +19,7 @@ CORNER = {"starting": 0, "right tip": 1, "stopping": 2, "left tip": 3}
     ids=["paper", "3 nodes", "3 states"],
 )
 def problem(request, ibis):
-    return PairProblem(ibis, "force", 0.8, 0.35, model=request.param)
+    return PairProblem(ibis, "force", Stroke(0.8, 0.35), model=request.param)
 
 
 @pytest.fixture(scope="module")

@@ -5,8 +5,8 @@ Where a sentence of the paper is tested, the test quotes what it says of its mul
 
 import numpy as np
 import pytest
-from upwash import load_species, solve_pair
-from upwash.optimum.flock import felt_by, leader_of, row_of, side_of, solve_flock
+from upwash import FlockRules, SearchSettings, Stroke, WakeModel, load_species, solve_pair
+from upwash.optimum.flock import solve_flock
 from upwash.optimum.flock_solution import on_side
 from upwash.optimum.rotation import take_turns
 
@@ -17,7 +17,7 @@ FOLLOWERS = 5
 def flocks(ibis):
     """Six ibises in echelon for both objectives and readings."""
     return {
-        (objective, reading): solve_flock(ibis, 6, objective, reading=reading)
+        (objective, reading): solve_flock(ibis, 6, objective, rules=FlockRules(reading=reading))
         for objective in ("force", "power")
         for reading in ("immediate", "lone")
     }
@@ -47,7 +47,7 @@ class TestSixIbises:
 
     def test_each_flaps_in_antiphase_with_its_leader(self, flock):
         assert values(flock, "phase") == pytest.approx(np.full(FOLLOWERS, 0.5), abs=1e-9)
-        lags = [one.place.phase for one in flock.placed]
+        lags = [one.place.pose.phase for one in flock.placed]
         assert lags == pytest.approx([0.0, 0.5, 0.0, 0.5, 0.0, 0.5], abs=1e-9)
 
     def test_the_benefit_is_largest_for_the_second_bird_and_saturates_without_decay(self, flock):
@@ -64,7 +64,7 @@ class TestSixIbises:
         assert is_regular(steps[1:], 0.05)
 
     def test_amplitude_never_grows_along_the_flock(self, flock, ibis):
-        amplitudes = np.array([one.place.amplitude_m for one in flock.placed])
+        amplitudes = np.array([one.place.pose.stroke.amplitude_m for one in flock.placed])
         assert np.all(np.diff(amplitudes) <= 1e-12)
         assert amplitudes[1:] == pytest.approx(0.7163 * ibis.amplitude_m, rel=3e-3)
 
@@ -120,11 +120,11 @@ class TestEveryLink:
     def test_is_a_v_optimum_within_the_bounds_that_its_reading_sets(self, flocks):
         for (_, reading), flock in flocks.items():
             for one in flock.placed[1:]:
-                ahead = flock.placed[one.leader - 1].place
-                limit = (flock.placed[0].place if reading == "lone" else ahead).amplitude_m
+                ahead = flock.placed[one.leader - 1].place.pose
+                limit = (flock.placed[0].place.pose if reading == "lone" else ahead).stroke.amplitude_m
                 assert one.optimum.is_v_optimum
                 assert 0.25 * limit <= one.optimum.amplitude_m <= limit * (1.0 + 1e-12)
-                assert abs(one.optimum.z_m) <= ahead.amplitude_m
+                assert abs(one.optimum.z_m) <= ahead.stroke.amplitude_m
                 assert one.optimum.stationarity < 1e-6
 
     def test_weight_and_drag_are_those_of_the_first_bird(self, flocks, ibis):
@@ -133,7 +133,10 @@ class TestEveryLink:
             assert set(values(flock, "drag_n")) == {ibis.drag_n}
 
     def test_does_not_depend_on_the_seed(self, flocks, ibis):
-        known, again = flocks["force", "immediate"], solve_flock(ibis, 4, "force", seed=11)
+        known, again = (
+            flocks["force", "immediate"],
+            solve_flock(ibis, 4, "force", search=SearchSettings(seed=11)),
+        )
         for name in ("x_m", "y_m", "z_m", "amplitude_m", "upstroke_span_ratio", "cost"):
             assert values(again, name) == pytest.approx(values(known, name)[:3], rel=1e-7, abs=1e-7)
 
@@ -142,7 +145,7 @@ class TestEveryLink:
             steps = np.array(
                 [[one.optimum.x_m, one.optimum.y_m, one.optimum.z_m] for one in flock.placed[1:]]
             )
-            places = np.array([[one.place.x_m, one.place.y_m, one.place.z_m] for one in flock.placed])
+            places = np.array([one.place.pose.position_m for one in flock.placed])
             assert places[0] == pytest.approx([0.0, 0.0, 0.0])
             assert np.diff(places, axis=0) == pytest.approx(steps, abs=1e-12)
 
@@ -156,7 +159,7 @@ class TestShapes:
     def test_a_vee_is_the_echelon_and_its_mirror_image(self, flocks, ibis):
         echelon, vee = (
             flocks["force", "immediate"].members,
-            solve_flock(ibis, 7, "force", shape="vee").members,
+            solve_flock(ibis, 7, "force", rules=FlockRules("vee")).members,
         )
         for one in vee[1:]:
             model = echelon[one.number // 2]
@@ -173,7 +176,7 @@ class TestShapes:
 
     def test_an_alternating_flock_takes_the_same_steps_to_either_side(self, flocks, ibis):
         echelon = flocks["force", "immediate"]
-        alternating = solve_flock(ibis, 6, "force", shape="alternating")
+        alternating = solve_flock(ibis, 6, "force", rules=FlockRules("alternating"))
         assert values(alternating, "y_m") == pytest.approx(values(echelon, "y_m") * [1, -1, 1, -1, 1])
         for name in ("x_m", "z_m", "cost", "phase"):
             assert np.array_equal(values(alternating, name), values(echelon, name))
@@ -188,16 +191,16 @@ class TestShapes:
     )
     def test_who_follows_whom_and_where(self, shape, leaders, sides, rows):
         birds = range(2, 6)
-        assert [leader_of(one, shape) for one in birds] == leaders
-        assert [side_of(one, shape) for one in birds] == sides
-        assert [row_of(one, shape) for one in birds] == rows
+        assert [FlockRules(shape).leader_of(one) for one in birds] == leaders
+        assert [FlockRules(shape).side_of(one) for one in birds] == sides
+        assert [FlockRules(shape).row_of(one) for one in birds] == rows
 
     def test_whose_wakes_are_felt(self):
-        assert felt_by(5, "echelon", "neighbour") == [4]
-        assert felt_by(5, "echelon", "all-upstream") == [1, 2, 3, 4]
+        assert FlockRules("echelon", "neighbour").felt_by(5) == [4]
+        assert FlockRules("echelon", "all-upstream").felt_by(5) == [1, 2, 3, 4]
         # In a vee those abreast are not ahead; the own side comes before the other, the leader last.
-        assert felt_by(6, "vee", "all-upstream") == [1, 2, 3, 5, 4]
-        assert felt_by(7, "vee", "all-upstream") == [1, 3, 2, 4, 5]
+        assert FlockRules("vee", "all-upstream").felt_by(6) == [1, 2, 3, 5, 4]
+        assert FlockRules("vee", "all-upstream").felt_by(7) == [1, 3, 2, 4, 5]
 
 
 class TestAnEdgeCloseBy:
@@ -207,8 +210,7 @@ class TestAnEdgeCloseBy:
         sixth = solve_pair(
             pelican,
             "power",
-            leader_amplitude_m=0.6432569857159309,
-            leader_upstroke_span_ratio=0.38944971627268604,
+            ahead=Stroke(0.6432569857159309, 0.38944971627268604),
             amplitude_limit_m=pelican.amplitude_m,
         )
         assert sixth.v_optimum.cost / sixth.v_optimum.cost_leader == pytest.approx(0.71577, abs=1e-5)
@@ -221,7 +223,7 @@ class TestTheEndOfAFlock:
     @classmethod
     def flock(cls, ibis):
         """Three birds find their place; the fourth has none left between the wakes ahead."""
-        return solve_flock(ibis, 6, "force", shape="alternating", wake="all-upstream")
+        return solve_flock(ibis, 6, "force", rules=FlockRules("alternating", "all-upstream"))
 
     def test_a_bird_without_a_v_optimum_is_the_last(self, flock):
         assert [one.place is not None for one in flock.members] == [True, True, True, False]
@@ -238,7 +240,7 @@ class TestTheEndOfAFlock:
         assert "x_m" not in row
 
     def test_it_is_as_if_the_flock_were_smaller(self, flock, ibis):
-        smaller = solve_flock(ibis, 3, "force", shape="alternating", wake="all-upstream")
+        smaller = solve_flock(ibis, 3, "force", rules=FlockRules("alternating", "all-upstream"))
         assert smaller.members == flock.members[:3]
 
 
@@ -246,18 +248,24 @@ class TestRefuses:
     @pytest.mark.parametrize(
         ("choice", "message"),
         [
-            ({"shape": "circle"}, "shape: expected one of echelon, vee, alternating, found 'circle'"),
-            ({"wake": "none"}, "wake: expected one of neighbour, all-upstream, found 'none'"),
-            ({"reading": "both"}, "reading: expected one of immediate, lone, found 'both'"),
+            (
+                {"rules": {"shape": "circle"}},
+                "shape: expected one of echelon, vee, alternating, found 'circle'",
+            ),
+            ({"rules": {"wake": "none"}}, "wake: expected one of neighbour, all-upstream, found 'none'"),
+            ({"rules": {"reading": "both"}}, "reading: expected one of immediate, lone, found 'both'"),
             ({"objective": "joy"}, "objective: expected one of force, power, cost_of_transport, found 'joy'"),
             ({"birds": 1}, "birds: expected a whole number of at least 2, found 1"),
             ({"birds": 2.0}, "birds: expected a whole number of at least 2, found 2.0"),
-            ({"wavelengths": 0}, "wavelengths: expected a whole number of at least 1, found 0"),
+            ({"model": {"wavelengths": 0}}, "wavelengths: expected a whole number of at least 1, found 0"),
         ],
     )
     def test_what_makes_no_flock(self, ibis, choice, message):
         with pytest.raises(ValueError, match="expected") as caught:
-            solve_flock(ibis, **choice)
+            made = {"rules": FlockRules, "model": WakeModel}
+            solve_flock(
+                ibis, **{name: made[name](**one) if name in made else one for name, one in choice.items()}
+            )
         assert str(caught.value) == message
 
 

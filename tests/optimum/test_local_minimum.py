@@ -10,6 +10,7 @@ import math
 import numpy as np
 import pytest
 from upwash.aero.interaction import net_force
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS
 
 
@@ -30,8 +31,7 @@ class Follower:
     def missing(self, place, stroke):
         """Return lift in excess of weight and thrust in excess of drag, over weight and drag."""
         bird, (*position, lag) = self.bird, place
-        ahead = bird.amplitude_m, bird.upstroke_span_ratio
-        lift, thrust = net_force(bird, *ahead, position, *stroke, 0.5 + lag)
+        lift, thrust = net_force(bird, bird.stroke, Pose(*position, Stroke(*stroke), 0.5 + lag))
         return np.array([lift / bird.weight_n - 1, thrust / bird.drag_n - 1])
 
     def balanced(self, place):

@@ -7,7 +7,7 @@ import sys
 from dataclasses import replace
 
 import pytest
-from upwash import solve_pair
+from upwash import SearchSettings, Stroke, solve_pair
 from upwash.aero.wake import WakeModel
 from upwash.optimum.problem import VARIABLES
 
@@ -26,7 +26,7 @@ class TestSeeds:
     @pytest.mark.parametrize("seed", [1, 2])
     def test_another_seed_finds_and_proves_the_same(self, ibis, objective, seed, request):
         first = request.getfixturevalue(f"ibis_{objective}")
-        other = solve_pair(ibis, objective, seed=seed)
+        other = solve_pair(ibis, objective, search=SearchSettings(seed=seed))
         assert other.proof.is_closed and first.proof.is_closed
         for name in ("global_optimum", "v_optimum"):
             one, again = getattr(first, name), getattr(other, name)
@@ -40,7 +40,10 @@ class TestSeeds:
     def test_every_optimum_within_one_percent_of_the_best_is_found(self, ibis, objective, count, request):
         """As many as 60 000 random starts find; some are the end of only one in five hundred."""
         first = request.getfixturevalue(f"ibis_{objective}")
-        for solution in (first, *(solve_pair(ibis, objective, seed=seed) for seed in (3, 4, 5))):
+        for solution in (
+            first,
+            *(solve_pair(ibis, objective, search=SearchSettings(seed=seed)) for seed in (3, 4, 5)),
+        ):
             near = [one.cost for one in solution.optima if one.cost <= 1.01 * solution.optima[0].cost]
             known = [one.cost for one in first.optima[:count]]
             assert near == pytest.approx(known, rel=1e-9)
@@ -145,13 +148,16 @@ class TestInfeasible:
     ("arguments", "message"),
     [
         ({"objective": "speed"}, "objective: expected one of cost_of_transport, force, power, found 'speed'"),
-        ({"tolerance": 0.0}, "tolerance: expected a number between 0 and 1, found 0.0"),
-        ({"tolerance": math.nan}, "tolerance: expected a number between 0 and 1, found nan"),
+        ({"search": {"tolerance": 0.0}}, "tolerance: expected a number between 0 and 1, found 0.0"),
+        ({"search": {"tolerance": math.nan}}, "tolerance: expected a number between 0 and 1, found nan"),
         ({"model": WakeModel(stroke_states=4)}, "stroke_states: expected 2, .* found 4"),
         ({"amplitude_limit_m": -1.0}, "amplitude_m: expected a positive, finite number, found -1.0"),
-        ({"leader_upstroke_span_ratio": 0.0}, "upstroke_span_ratio: expected .*, found 0.0"),
+        ({"ahead": {"amplitude_m": 1.0, "span_ratio": 0.0}}, "span_ratio: expected .*, found 0.0"),
     ],
 )
 def test_what_is_out_of_range_is_named(ibis, arguments, message):
     with pytest.raises(ValueError, match=message):
-        solve_pair(ibis, **arguments)
+        made = {"search": SearchSettings, "ahead": Stroke}
+        solve_pair(
+            ibis, **{name: made[name](**one) if name in made else one for name, one in arguments.items()}
+        )

@@ -101,9 +101,7 @@ class TestBalance:
 
     def test_every_optimum_balances(self, ibis, ibis_solution):
         for one in ibis_solution.optima:
-            place = one.x_m, one.y_m, one.z_m
-            stroke = one.amplitude_m, one.upstroke_span_ratio, one.phase
-            lift, thrust = net_force(ibis, ibis.amplitude_m, ibis.upstroke_span_ratio, place, *stroke)
+            lift, thrust = net_force(ibis, ibis.stroke, one.pose)
             assert lift == pytest.approx(ibis.weight_n, rel=1e-9)
             assert thrust == pytest.approx(ibis.drag_n, rel=1e-9)
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from upwash.aero.interaction import net_force
+from upwash.aero.pose import Stroke
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import WakeModel
 from upwash.optimum.problem import CORE2, VARIABLES, PairProblem, evaluate
@@ -45,7 +46,9 @@ def model(request):
 
 def flock_problem(bird, objective="force", model=None, piece=1):
     """Pose the problem behind a bird that flaps less than a lone one."""
-    return PairProblem(bird, objective, 0.7 * bird.amplitude_m, 0.35, model=model or WakeModel(), piece=piece)
+    return PairProblem(
+        bird, objective, Stroke(0.7 * bird.amplitude_m, 0.35), model=model or WakeModel(), piece=piece
+    )
 
 
 class TestUnits:
@@ -54,11 +57,8 @@ class TestUnits:
     def test_the_residual_is_what_lift_and_thrust_exceed_weight_and_drag_by(self, bird, model):
         for piece in range(model.stroke_states):
             problem = flock_problem(bird, model=model, piece=piece)
-            ahead = problem.leader_amplitude_m, problem.leader_upstroke_span_ratio
             for point in random_points(problem, 5):
-                x, y, z, amplitude = point[:4] * bird.semispan_m
-                phase = problem.phase(point[5])
-                lift, thrust = net_force(bird, *ahead, (x, y, z), amplitude, point[4], phase, model)
+                lift, thrust = net_force(bird, problem.ahead, problem.pose(point), model)
                 expected = [lift - bird.weight_n, thrust - bird.drag_n]
                 assert evaluated(problem, point)[1] * bird.weight_n == pytest.approx(expected, abs=1e-10)
 
@@ -137,7 +137,7 @@ class TestBounds:
         assert list(bounds[4]) == [0.3, 0.5]
 
     def test_that_of_amplitude_may_be_set_apart_from_the_bird_ahead(self, ibis):
-        problem = PairProblem(ibis, "force", 0.7, 0.35, amplitude_limit_m=0.9)
+        problem = PairProblem(ibis, "force", Stroke(0.7, 0.35), amplitude_limit_m=0.9)
         assert problem.bounds[3] * ibis.semispan_m == pytest.approx([0.225, 0.9])
         assert problem.bounds[2] * ibis.semispan_m == pytest.approx([-0.7, 0.7])
 
@@ -153,9 +153,8 @@ class TestBounds:
     ("arguments", "message"),
     [
         ({"objective": "speed"}, "objective: expected one of cost_of_transport, force, power, found 'speed'"),
-        ({"leader_amplitude_m": -0.1}, "amplitude_m: expected"),
-        ({"leader_amplitude_m": 1.3}, "amplitude_m: expected at most twice the semispan"),
-        ({"leader_upstroke_span_ratio": 1.0}, "upstroke_span_ratio: expected"),
+        ({"ahead": Stroke(1.3, 0.4)}, "amplitude_m: expected at most twice the semispan"),
+        ({"ahead": Stroke(1.0, 0.8)}, "upstroke_span_ratio: expected a lone bird that makes thrust"),
         ({"amplitude_limit_m": float("nan")}, "amplitude_m: expected"),
         ({"amplitude_limit_m": 0.0}, "amplitude_m: expected"),
     ],

@@ -11,6 +11,7 @@ import pyarrow as pa
 from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.interaction import wake_force
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
 from upwash.batch.folder import Plan, ResultsFolder
 from upwash.batch.store import GATHERED, ROWS, SUMMARIES, TableWriter, provenance, table_of
@@ -63,10 +64,11 @@ def bird_of(inputs):
 def row_of(species, objective, inputs, place, rank, kind="pair", bird=None):
     """Return one row of results; `bird` sets weight and drag, the row's own if not given."""
     x, y, z, amplitude, ratio, phase = place
+    pose = Pose(x, y, z, Stroke(amplitude, ratio), phase)
     bird = bird or bird_of(inputs)
     lift, thrust = bird.lift_n(ratio), bird.thrust_n(amplitude, ratio)
-    ahead = inputs["leader_amplitude_m"], inputs["leader_upstroke_span_ratio"]
-    wake = wake_force(bird, *ahead, (x, y, z), amplitude, ratio, phase)
+    ahead = Stroke(inputs["leader_amplitude_m"], inputs["leader_upstroke_span_ratio"])
+    wake = wake_force(bird, ahead, pose)
     powers = induced_power_w(bird, lift), profile_power_w(bird, thrust), parasite_power_w(bird)
     alone = induced_power_w(bird, bird.weight_n), profile_power_w(bird, bird.drag_n), powers[2]
     cost = COST_FUNCTIONS[objective]

@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from upwash.aero.interaction import net_force, state_forces
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import vortex_wake
 from upwash.errors import UpwashError
 from upwash.report import figures
@@ -42,6 +43,11 @@ BIRD = studies.bird_of(studies.IBIS)
 FORCE, POWER = (
     dict(zip(("x", "y", "z", "h", "r", "k"), studies.OPTIMA[name][1], strict=True)) for name in studies.OPTIMA
 )
+
+
+def pose_at(place):
+    """Return the pose of a place."""
+    return Pose(place["x"], place["y"], place["z"], Stroke(place["h"], place["r"]), place["k"])
 
 
 @pytest.fixture(scope="module")
@@ -235,13 +241,8 @@ class TestConfigurations:
 
     def test_an_arrow_is_drawn_where_the_force_is_large(self, pair):
         figure = configurations.draw(pair)
-        forces = np.linalg.norm(
-            state_forces(BIRD, H, 0.4, (FORCE["x"], FORCE["y"], FORCE["z"]), FORCE["h"], FORCE["r"]), axis=-1
-        )
-        shown = [
-            f"{value:+.3f}"
-            for value in state_forces(BIRD, H, 0.4, tuple(FORCE.values())[:3], FORCE["h"], FORCE["r"])[0, 1]
-        ]
+        forces = np.linalg.norm(state_forces(BIRD, BIRD.stroke, pose_at(FORCE)), axis=-1)
+        shown = [f"{value:+.3f}" for value in state_forces(BIRD, BIRD.stroke, pose_at(FORCE))[0, 1]]
         words = figure.axes[1].texts[-1].get_text() + "".join(
             text.get_text() for text in figure.axes[1].texts
         )
@@ -277,7 +278,7 @@ class TestOptimalPosition:
         assert np.interp(start[0], *leader.T) == pytest.approx(start[1], abs=0.1)
 
     def test_forces_are_those_of_the_states_over_weight_and_drag(self, figure):
-        found = state_forces(BIRD, H, 0.4, (POWER["x"], POWER["y"], POWER["z"]), POWER["h"], POWER["r"])
+        found = state_forces(BIRD, BIRD.stroke, pose_at(POWER))
         expected = found[0, 1, ::-1] / (BIRD.drag_n, BIRD.weight_n)
         assert line(figure, "force power ud")[0] == pytest.approx(expected)
         mean = (found[0, 1] + found[1, 0])[::-1] / 2 / (BIRD.drag_n, BIRD.weight_n)
@@ -290,11 +291,11 @@ class TestForceMaps:
         images = [axes.images[0] for axes in figure.axes if axes.images]
         assert len(images) == 6
         x, y = np.linspace(0, 1.5 * WAVELENGTH, 31)[20], np.linspace(0, 3 * B, 31)[12]
-        lift, thrust = net_force(BIRD, H, 0.4, (x, y, FORCE["z"]), FORCE["h"], FORCE["r"], FORCE["k"])
+        lift, thrust = net_force(BIRD, BIRD.stroke, pose_at(FORCE | {"x": x, "y": y}))
         assert images[0].get_array()[12, 20] == pytest.approx(lift / BIRD.weight_n)
         assert images[1].get_array()[12, 20] == pytest.approx(thrust / BIRD.drag_n)
         phase = np.linspace(0, 1, 31)[7]
-        lift, thrust = net_force(BIRD, H, 0.4, (x, FORCE["y"], FORCE["z"]), FORCE["h"], FORCE["r"], phase)
+        lift, thrust = net_force(BIRD, BIRD.stroke, pose_at(FORCE | {"x": x, "k": phase}))
         assert images[5].get_array()[7, 20] == pytest.approx(thrust / BIRD.drag_n)
 
     def test_extents_are_wavelengths_semispans_amplitudes_and_phase(self, pair):

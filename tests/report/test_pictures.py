@@ -1,6 +1,7 @@
 """The commands that make pictures: field, animate and page."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pyarrow.parquet as pq
@@ -12,7 +13,7 @@ from upwash.cli import main, pictures
 from upwash.report import animation
 from upwash.report.animation import Scene, half_span, own_phases, tip_track
 from upwash.study.field import field_table, plane_through
-from upwash.study.sources import best, bird_of
+from upwash.study.sources import best, bird_of, pose_of
 
 from report import studies
 
@@ -48,9 +49,7 @@ class TestField:
         row, bird = best(solved["pair"], "force"), studies.bird_of(studies.IBIS)
         assert table.num_rows == 81
         for one in table.slice(30, 5).to_pylist():
-            place = one["x_m"], one["y_m"], one["z_m"]
-            stroke = row["amplitude_m"], row["upstroke_span_ratio"]
-            expected = net_force(bird, bird.amplitude_m, 0.4, place, *stroke, one["phase"])
+            expected = net_force(bird, bird.stroke, replace(pose_of(row), x_m=one["x_m"], phase=one["phase"]))
             assert (one["lift_n"], one["thrust_n"]) == pytest.approx(expected)
 
     def test_units_and_the_optimum_stand_in_the_file(self, solved):

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, field
 
 from upwash.aero.checked import check_fields, must_be, positive, ratio, within
+from upwash.aero.pose import Stroke
 
 REACH = positive & within(1e-9, 1e9, "no bird comes near these ends: look at the unit")
 """What any quantity of a bird must be, in SI units; beyond, products of inputs lose digits, overflow or vanish."""
@@ -48,6 +49,14 @@ class Bird:
     ------
     ValueError
         If a value is not of the kind named above; the message names the field, what was expected and what was found.
+
+    Examples
+    --------
+    >>> ibis = Bird(1.3, 0.6, 15.0, 0.25, 1.29, 9.8, amplitude_m=1.04, upstroke_span_ratio=0.4)
+    >>> round(ibis.weight_n, 2), round(ibis.drag_n, 2)
+    (12.74, 2.3)
+    >>> ibis.stroke
+    Stroke(amplitude_m=1.04, span_ratio=0.4)
     """
 
     mass_kg: float = field(metadata=_SOME)
@@ -72,6 +81,11 @@ class Bird:
                 "upstroke_span_ratio: expected a lone bird that makes thrust, circulation_ratio · R < π/4 = 0.785, "
                 f"found {self.circulation_ratio * self.upstroke_span_ratio:.3g}"
             )
+
+    @property
+    def stroke(self) -> Stroke:
+        """How it flaps when flying alone."""
+        return Stroke(self.amplitude_m, self.upstroke_span_ratio)
 
     @property
     def wavelength_m(self) -> float:
@@ -122,6 +136,10 @@ class Bird:
             * self.circulation_m2_s
             * self.thrust_span(upstroke_span_ratio)
         )
+
+    def self_force_n(self, stroke: Stroke) -> tuple[float, float]:
+        """Self-generated lift and thrust (positive upstream) with a stroke, averaged over a wingbeat, in N."""
+        return self.lift_n(stroke.span_ratio), self.thrust_n(stroke.amplitude_m, stroke.span_ratio)
 
     def lift_n(self, upstroke_span_ratio: float) -> float:
         """Self-generated lift, averaged over a wingbeat, in N (leader_vert_force)."""

@@ -7,7 +7,6 @@ interpreter's lock is released in the loops, so threads may share out the rows o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from upwash.aero.bird import Bird
 from upwash.aero.induction import fill_velocity
 from upwash.aero.interaction import phase_weights, span_nodes, state_circulation_ratio
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
 from upwash.kernel import kernel
 
@@ -70,27 +70,28 @@ def _add_force(positions, aside, above, per_velocity, rings, circulation, core_r
 
 def _weighted_wake_force(
     bird: Bird,
-    leader: tuple[float, float],
+    ahead: Stroke,
     positions: NDArray[np.float64],
-    stroke: tuple[float, float],
+    stroke: Stroke,
     weights: NDArray[np.float64],
     model: WakeModel,
 ) -> NDArray[np.float64]:
     """Return the wake force (p, 2) at positions (p, 3), with the stroke states weighed as given."""
     states, b = model.stroke_states, bird.semispan_m
     wake = vortex_wake(
-        leader[0],
-        leader[1],
+        ahead.amplitude_m,
+        ahead.span_ratio,
         b,
         bird.wavelength_m,
         bird.circulation_m2_s,
         bird.circulation_ratio,
         states,
+        model.wavelengths,
     )
     force = np.zeros((positions.shape[0], 2))
     for k in range(states):
         fixed, flexed = stroke_span(k / states)
-        half_span = b * (fixed + flexed * stroke[1])
+        half_span = b * (fixed + flexed * stroke.span_ratio)
         share = weights[wake.state, k]
         # A pair of states that lasts no time costs none.
         rings, circulation = wake.rings[share != 0.0], (wake.circulation * share)[share != 0.0]
@@ -99,7 +100,7 @@ def _weighted_wake_force(
             _add_force(
                 positions,
                 half_span * node,
-                stroke[0] * stroke_height(k / states),
+                stroke.amplitude_m * stroke_height(k / states),
                 bird.density_kg_m3 * own * 2.0 * half_span * weight,
                 rings,
                 circulation,
@@ -111,11 +112,8 @@ def _weighted_wake_force(
 
 def force_map(
     bird: Bird,
-    leader_amplitude_m: float,
-    leader_upstroke_span_ratio: float,
-    place: Sequence[float],
-    amplitude_m: float,
-    upstroke_span_ratio: float,
+    ahead: Stroke,
+    pose: Pose,
     plane: str,
     first: ArrayLike,
     second: ArrayLike,
@@ -127,13 +125,10 @@ def force_map(
     ----------
     bird : Bird
         The bird that sets circulation, semispan, speed and air; leader and follower share them.
-    leader_amplitude_m, leader_upstroke_span_ratio : float
-        Stroke of the leader: tip-to-tip amplitude in m, upstroke span ratio.
-    place : sequence of 4 float
-        The follower's x, y, z relative to the leader in m, and its phase; the plane's two coordinates replace
-        theirs.
-    amplitude_m, upstroke_span_ratio : float
-        Stroke of the follower.
+    ahead : Stroke
+        How the leader flaps.
+    pose : Pose
+        The place, and how the follower flaps; the plane's two coordinates replace those of the place.
     plane : str
         A key of `PLANES`: ``xy``, ``xz`` or ``xk``.
     first, second : array_like of float
@@ -155,31 +150,25 @@ def force_map(
         raise ValueError(f"plane: expected one of {', '.join(PLANES)}, found {plane!r}")
     model = model or WakeModel()
     first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
-    leader, stroke = (leader_amplitude_m, leader_upstroke_span_ratio), (amplitude_m, upstroke_span_ratio)
     axis = COORDINATES.index(PLANES[plane])
     if plane == "xk":
         positions = np.empty((first.size, 3))
-        positions[:] = place[:3]
+        positions[:] = pose.position_m
         positions[:, 0] = first
         weights = np.array([phase_weights(phase, model.stroke_states) for phase in second])
         wake = np.zeros((second.size, first.size, 2))
         for pair in np.ndindex(weights.shape[1:]):
             alone = np.zeros(weights.shape[1:])
             alone[pair] = 1.0
-            force = _weighted_wake_force(bird, leader, positions, stroke, alone, model)
+            force = _weighted_wake_force(bird, ahead, positions, pose.stroke, alone, model)
             wake += weights[:, *pair, None, None] * force
     else:
         positions = np.empty((second.size, first.size, 3))
-        positions[:] = place[:3]
+        positions[:] = pose.position_m
         positions[..., 0] = first
         positions[..., axis] = second[:, None]
-        weights = phase_weights(place[3], model.stroke_states)
-        force = _weighted_wake_force(bird, leader, positions.reshape(-1, 3), stroke, weights, model)
+        weights = phase_weights(pose.phase, model.stroke_states)
+        force = _weighted_wake_force(bird, ahead, positions.reshape(-1, 3), pose.stroke, weights, model)
         wake = force.reshape(second.size, first.size, 2)
-    return ForceMap(
-        plane,
-        first,
-        second,
-        bird.lift_n(upstroke_span_ratio) + wake[..., 0],
-        bird.thrust_n(amplitude_m, upstroke_span_ratio) + wake[..., 1],
-    )
+    lift, thrust = bird.self_force_n(pose.stroke)
+    return ForceMap(plane, first, second, lift + wake[..., 0], thrust + wake[..., 1])

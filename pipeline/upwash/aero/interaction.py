@@ -11,13 +11,12 @@ search, with its Jacobian.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
 from upwash.aero.induction import velocity
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
 
 
@@ -77,11 +76,8 @@ def state_circulation_ratio(bird: Bird, state: int, stroke_states: int) -> float
 
 def state_forces(
     bird: Bird,
-    leader_amplitude_m: float,
-    leader_upstroke_span_ratio: float,
-    position_m: Sequence[float],
-    amplitude_m: float,
-    upstroke_span_ratio: float,
+    ahead: Stroke,
+    pose: Pose,
     model: WakeModel | None = None,
 ) -> NDArray[np.float64]:
     """Return the wake-induced lift and thrust for every pair of stroke states (eqn:full_integral).
@@ -90,12 +86,10 @@ def state_forces(
     ----------
     bird : Bird
         The bird that sets circulation, semispan, speed and air; leader and follower share them.
-    leader_amplitude_m, leader_upstroke_span_ratio : float
-        Stroke of the leader: tip-to-tip amplitude in m, upstroke span ratio.
-    position_m : sequence of 3 float
-        Follower's reference point relative to the leader's, in m: downstream, right, up.
-    amplitude_m, upstroke_span_ratio : float
-        Stroke of the follower.
+    ahead : Stroke
+        How the leader flaps.
+    pose : Pose
+        Where the follower flies relative to the leader, and how it flaps; its phase has no say here.
     model : WakeModel, optional
         Resolution; the paper's if not given.
 
@@ -108,24 +102,24 @@ def state_forces(
     model = model or WakeModel()
     states, b = model.stroke_states, bird.semispan_m
     wake = vortex_wake(
-        leader_amplitude_m,
-        leader_upstroke_span_ratio,
+        ahead.amplitude_m,
+        ahead.span_ratio,
         b,
         bird.wavelength_m,
         bird.circulation_m2_s,
         bird.circulation_ratio,
         states,
+        model.wavelengths,
     )
     nodes, weights = span_nodes(model.span_nodes)
-    x, y, z = position_m
     forces = np.empty((states, states, 2))
     for k in range(states):
         fixed, flexed = stroke_span(k / states)
-        half_span = b * (fixed + flexed * upstroke_span_ratio)
+        half_span = b * (fixed + flexed * pose.stroke.span_ratio)
         points = np.empty((nodes.size, 3))
-        points[:, 0] = x
-        points[:, 1] = y + half_span * nodes
-        points[:, 2] = z + amplitude_m * stroke_height(k / states)
+        points[:, 0] = pose.x_m
+        points[:, 1] = pose.y_m + half_span * nodes
+        points[:, 2] = pose.z_m + pose.stroke.amplitude_m * stroke_height(k / states)
         circulation = bird.circulation_m2_s * state_circulation_ratio(bird, k, states)
         for j in range(states):
             of_state = wake.state == j
@@ -140,64 +134,46 @@ def state_forces(
 
 def wake_force(
     bird: Bird,
-    leader_amplitude_m: float,
-    leader_upstroke_span_ratio: float,
-    position_m: Sequence[float],
-    amplitude_m: float,
-    upstroke_span_ratio: float,
-    phase: float,
+    ahead: Stroke,
+    pose: Pose,
     model: WakeModel | None = None,
 ) -> tuple[float, float]:
     """Return the wake-induced lift and thrust in N, averaged over a wingbeat (eqn:total_induced_force).
 
     Parameters
     ----------
-    bird, leader_amplitude_m, leader_upstroke_span_ratio, position_m, amplitude_m, upstroke_span_ratio, model
+    bird, ahead, pose, model
         As for `state_forces`.
-    phase : float
-        Phase κ by which the follower lags the leader, as a fraction of the wingbeat.
 
     Returns
     -------
     tuple of float
         Lift and thrust (positive upstream), in N.
+
+    Examples
+    --------
+    >>> from upwash import Bird, Pose, Stroke
+    >>> ibis = Bird(1.3, 0.6, 15.0, 0.25, 1.29, 9.8, amplitude_m=1.04, upstroke_span_ratio=0.4)
+    >>> lift, thrust = wake_force(ibis, ibis.stroke, Pose(1.8, 0.9, -0.1, Stroke(0.75, 0.35), 0.5))
+    >>> round(lift, 2), round(thrust, 2)
+    (0.4, 0.53)
     """
     model = model or WakeModel()
-    forces = state_forces(
-        bird,
-        leader_amplitude_m,
-        leader_upstroke_span_ratio,
-        position_m,
-        amplitude_m,
-        upstroke_span_ratio,
-        model,
-    )
-    lift, thrust = np.tensordot(phase_weights(phase, model.stroke_states), forces, axes=2)
+    forces = state_forces(bird, ahead, pose, model)
+    lift, thrust = np.tensordot(phase_weights(pose.phase, model.stroke_states), forces, axes=2)
     return float(lift), float(thrust)
 
 
 def net_force(
     bird: Bird,
-    leader_amplitude_m: float,
-    leader_upstroke_span_ratio: float,
-    position_m: Sequence[float],
-    amplitude_m: float,
-    upstroke_span_ratio: float,
-    phase: float,
+    ahead: Stroke,
+    pose: Pose,
     model: WakeModel | None = None,
 ) -> tuple[float, float]:
     """Return a follower's total lift and thrust in N: its own and the wake's (total_follower_force).
 
     Parameters and result are those of `wake_force`; in balance the result is the bird's weight and its drag.
     """
-    lift, thrust = wake_force(
-        bird,
-        leader_amplitude_m,
-        leader_upstroke_span_ratio,
-        position_m,
-        amplitude_m,
-        upstroke_span_ratio,
-        phase,
-        model,
-    )
-    return bird.lift_n(upstroke_span_ratio) + lift, bird.thrust_n(amplitude_m, upstroke_span_ratio) + thrust
+    lift, thrust = wake_force(bird, ahead, pose, model)
+    own_lift, own_thrust = bird.self_force_n(pose.stroke)
+    return own_lift + lift, own_thrust + thrust

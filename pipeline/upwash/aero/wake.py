@@ -28,6 +28,7 @@ _CORE = positive & within(
     1e-3, 1.0, "in semispans: a core is thicker than a line and thinner than a wing is long"
 )
 _FINENESS = whole_from(2, 10_000, "the wake's force has long converged, and more only takes time")
+_LENGTH = whole_from(1, 10_000, "so far back a wake is no longer felt, and more only takes time")
 
 
 @dataclass(frozen=True)
@@ -44,16 +45,24 @@ class WakeModel:
         Number N of states in which leader and follower are each held during a wingbeat, at least 2.
     span_nodes : int
         Number of points across the follower's span at which the wake's velocity is taken, at least 2.
+    wavelengths : int
+        Length of a wake, in wavelengths, at least 1: further downstream the frozen pattern repeats itself.
 
     Raises
     ------
     ValueError
         If a value is out of range; the message names it.
+
+    Examples
+    --------
+    >>> WakeModel(stroke_states=32, span_nodes=41).core_radius_ratio
+    0.171
     """
 
     core_radius_ratio: float = field(default=CORE_RADIUS_RATIO, metadata=must_be(_CORE))
     stroke_states: int = field(default=2, metadata=must_be(_FINENESS))
     span_nodes: int = field(default=2, metadata=must_be(_FINENESS))
+    wavelengths: int = field(default=1, metadata=must_be(_LENGTH))
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -129,8 +138,9 @@ def vortex_wake(
     circulation: float,
     circulation_ratio: float = 1.0,
     stroke_states: int = 2,
+    wavelengths: int = 1,
 ) -> Wake:
-    """Return the vortex rings behind a leader in each stroke state, one wavelength of them.
+    """Return the vortex rings behind a leader in each stroke state.
 
     State j shows the pattern of phase j/N: the frozen chain of rectangles, carried j λ/N downstream of where the end
     of the upstroke left it, and cut at the leader and one wavelength behind.  With two states nothing is cut and the
@@ -148,11 +158,13 @@ def vortex_wake(
         Circulation of the upstroke rings over that of the downstroke rings.
     stroke_states : int
         Number of stroke states.
+    wavelengths : int
+        Length of the wake.
 
     Returns
     -------
     Wake
-        Ring by ring, ordered by state and then downstream.
+        Ring by ring: wavelength by wavelength, in each ordered by state and then downstream.
     """
     half = 0.5 * wavelength
     rings, strengths, states, upstroke = [], [], [], []
@@ -170,7 +182,13 @@ def vortex_wake(
             strengths.append(circulation * (circulation_ratio if is_up else 1.0))
             states.append(state)
             upstroke.append(is_up)
-    return Wake(np.array(rings), np.array(strengths), np.array(states), np.array(upstroke))
+    shifts = wavelength * np.arange(wavelengths)[:, None, None]
+    return Wake(
+        (np.array(rings) + shifts * [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]).reshape(-1, 6),
+        np.tile(strengths, wavelengths),
+        np.tile(states, wavelengths),
+        np.tile(upstroke, wavelengths),
+    )
 
 
 def spanwise_spacing_rule(semispan: float, upstroke_span_ratio: float) -> float:

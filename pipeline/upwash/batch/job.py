@@ -203,12 +203,12 @@ def describe(error: BaseException) -> str:
 
 
 def _solve_pair(job: Job) -> tuple[str, str, list[Row]]:
-    from upwash.optimum import solve_pair
+    from upwash.optimum.pair import solve_pair
 
     bird = _bird(job)
     if isinstance(bird, str):
         return of.INFEASIBLE, bird, []
-    solution = solve_pair(bird, job.objective, model=_model(job), seed=job.seed, tolerance=job.tolerance)
+    solution = solve_pair(bird, job.objective, model=_model(job), search=_search(job))
     if solution.status == of.SOLVED:
         return of.SOLVED, "", solution.rows()
     proof = {name: getattr(solution.proof, name) for name in of.names(of.belonging(of.PROOF))}
@@ -225,17 +225,17 @@ def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:
 
 def flock_of(job: Job, bird: Any = None) -> Any:
     """Return the flock of a job, a `FlockSolution`; `bird` is the job's own if not given."""
-    from upwash.optimum import solve_flock
+    from upwash.optimum.flock import solve_flock
+    from upwash.optimum.settings import FlockRules
 
-    choices = {name: getattr(job, name) for name in ("reading", "shape", "wake", "wavelengths")}
+    rules = FlockRules(job.shape or "", job.wake or "", job.reading or "")
     return solve_flock(
         bird or _bird(job),
         job.birds or 0,
         job.objective,
+        rules=rules,
         model=_model(job),
-        seed=job.seed,
-        tolerance=job.tolerance,
-        **choices,
+        search=_search(job),
     )
 
 
@@ -262,9 +262,13 @@ def _bird(job: Job) -> Any:
 def _model(job: Job) -> Any:
     from upwash.aero.wake import WakeModel
 
-    return WakeModel(
-        core_radius_ratio=job.core_radius_ratio, stroke_states=job.stroke_states, span_nodes=job.span_nodes
-    )
+    return WakeModel(job.core_radius_ratio, job.stroke_states, job.span_nodes, job.wavelengths or 1)
+
+
+def _search(job: Job) -> Any:
+    from upwash.optimum.settings import SearchSettings
+
+    return SearchSettings(job.seed, job.tolerance)
 
 
 _watching = False
@@ -368,28 +372,30 @@ def _wake_force(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> tuple[flo
     from upwash.aero.interaction import wake_force
 
     lift = thrust = 0.0
-    for amplitude, span_ratio, place, lag in _felt(job, row, rows):
-        for repeat in range(job.wavelengths or 1):
-            # A wake's next wavelength acts as the first one does on a bird as much nearer.
-            position = place[0] - repeat * bird.wavelength_m, *place[1:]
-            stroke = row["amplitude_m"], row["upstroke_span_ratio"]
-            force = wake_force(bird, amplitude, span_ratio, position, *stroke, lag, _model(job))
-            lift, thrust = lift + force[0], thrust + force[1]
+    for stroke, pose in _felt(job, row, rows):
+        force = wake_force(bird, stroke, pose, _model(job))
+        lift, thrust = lift + force[0], thrust + force[1]
     return lift, thrust
 
 
-def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[float, float, tuple[float, ...], float]]:
-    """Give stroke, place and lag, relative to it, of each bird whose wake a row's bird feels."""
-    from upwash.optimum.flock import row_of
+def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[Any, Any]]:
+    """Give the stroke of each bird whose wake a row's bird feels, and the pose relative to it."""
+    from upwash.aero.pose import Pose, Stroke
+    from upwash.optimum.settings import FlockRules
+
+    def stroke(one: Row) -> Stroke:
+        return Stroke(one["amplitude_m"], one["upstroke_span_ratio"])
+
+    def in_flock(one: Row) -> Pose:
+        return Pose(one["x_flock_m"], one["y_flock_m"], one["z_flock_m"], stroke(one), one["phase_flock"])
 
     if row.get("bird") == 1:
         return
     if job.kind == "pair" or job.wake == "neighbour":
-        place = row["x_m"], row["y_m"], row["z_m"]
-        yield row["leader_amplitude_m"], row["leader_upstroke_span_ratio"], place, row["phase"]
+        ahead = Stroke(row["leader_amplitude_m"], row["leader_upstroke_span_ratio"])
+        yield ahead, Pose(row["x_m"], row["y_m"], row["z_m"], stroke(row), row["phase"])
         return
+    row_of = FlockRules(job.shape or "").row_of
     for other in rows:
-        if row_of(other["bird"], job.shape or "") < row_of(row["bird"], job.shape or ""):
-            place = tuple(row[f"{axis}_flock_m"] - other[f"{axis}_flock_m"] for axis in "xyz")
-            lag = row["phase_flock"] - other["phase_flock"]
-            yield other["amplitude_m"], other["upstroke_span_ratio"], place, lag
+        if row_of(other["bird"]) < row_of(row["bird"]):
+            yield stroke(other), in_flock(row).relative_to(in_flock(other))

@@ -132,7 +132,7 @@ def flock(joint: bool, json_output: bool, **chosen: Any) -> None:
     chain = table_of(solve(job), FLOCK)
     improved = None
     if joint:
-        from upwash.optimum import improve_together
+        from upwash.optimum.joint import improve_together
 
         solution = improve_together(flock_of(job))
         improved = table_of([inputs_of(job) | row for row in solution.flock.rows()], FLOCK)

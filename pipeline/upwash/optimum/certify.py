@@ -45,6 +45,7 @@ from upwash.optimum.problem import (
     cost_of,
 )
 from upwash.optimum.search import Basin
+from upwash.optimum.settings import SearchSettings
 
 Descend = Callable[[NDArray[np.float64]], list[Basin]]
 """Starts -> the solutions that local solves from them reach, best first."""
@@ -52,9 +53,6 @@ Descend = Callable[[NDArray[np.float64]], list[Basin]]
 MARGIN = 1e-10
 """How much a point may miss a bound (in semispans) and a balance (in weights) and still keep its box from being
 cleared, and by how much its cost must exceed the threshold (in costs of the lone leader)."""
-
-MOST_BOXES = 2_000_000
-"""Default budget of boxes."""
 
 TINY = 1e-9
 """Half-width, in units of `WIDTHS`, below which a box is not split further but left open."""
@@ -517,7 +515,7 @@ def certify(
     bounds: NDArray[np.float64],
     incumbent: float,
     tolerance: float,
-    budget: int = MOST_BOXES,
+    budget: int = SearchSettings.most_boxes,
     descend: Descend | None = None,
 ) -> Certificate:
     """Prove that no feasible point within bounds costs less than an incumbent by more than a tolerance.

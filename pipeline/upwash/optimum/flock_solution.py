@@ -10,6 +10,7 @@ from upwash.aero.bird import Bird
 from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
 from upwash.aero.wake import WakeModel
 from upwash.optimum.flock_wake import Place
+from upwash.optimum.settings import FlockRules
 from upwash.optimum.solution import Optimum, Proof
 
 if TYPE_CHECKING:
@@ -53,10 +54,10 @@ class FlockSolution:
     ----------
     bird : Bird
         The first bird, which sets weight, drag and circulation for all.
-    objective, reading, shape, wake : str
-        What was least for each bird, and how the flock is built.
-    wavelengths : int
-        Length of each wake.
+    objective : str
+        What was least for each bird.
+    rules : FlockRules
+        How the flock is built.
     model : WakeModel
         Resolution of the wakes.
     members : tuple of Member
@@ -65,10 +66,7 @@ class FlockSolution:
 
     bird: Bird
     objective: str
-    reading: str
-    shape: str
-    wake: str
-    wavelengths: int
+    rules: FlockRules
     model: WakeModel
     members: tuple[Member, ...]
 
@@ -104,15 +102,15 @@ class FlockSolution:
         row["leader"] = one.leader or None
         ahead = self.members[one.leader - 1].place if one.leader else one.place
         if ahead is not None:
-            row["leader_amplitude_m"] = ahead.amplitude_m
-            row["leader_upstroke_span_ratio"] = ahead.upstroke_span_ratio
+            row["leader_amplitude_m"] = ahead.pose.stroke.amplitude_m
+            row["leader_upstroke_span_ratio"] = ahead.pose.stroke.span_ratio
         if one.proof is not None:
             row |= {f.name: getattr(one.proof, f.name) for f in fields(Proof) if f.name != "is_closed"}
             row["solve_time_s"] = one.solve_time_s
         if one.place is None:
             return row | {"status": "infeasible", "error": one.error}
-        row |= {f"{axis}_flock_m": getattr(one.place, f"{axis}_m") for axis in "xyz"}
-        row["phase_flock"] = one.place.phase
+        row |= {f"{axis}_flock_m": getattr(one.place.pose, f"{axis}_m") for axis in "xyz"}
+        row["phase_flock"] = one.place.pose.phase
         return row | (asdict(one.optimum) if one.optimum else lone_columns(self.bird, self.objective))
 
 

@@ -202,7 +202,7 @@ def _describe(problem: JointProblem, point: NDArray[np.float64], left: float) ->
     places, members = problem.places(point), [problem.flock.members[0]]
     for follower, own in zip(problem.followers, point, strict=True):
         place = places[follower.number - 1]
-        posed, _ = follower.pose(places, (place.phase - places[follower.leader - 1].phase) % 1.0)
+        posed, _ = follower.pose(places, place.pose.relative_to(places[follower.leader - 1].pose).phase % 1.0)
         group, representative = distinct_edges(posed.lanes, posed.constants[CORE2], posed.bounds)
         evidence = gather_evidence(posed, group, representative, own)
         optimum = describe_optimum(

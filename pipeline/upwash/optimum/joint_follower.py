@@ -7,13 +7,14 @@ the birds ahead do enters through the vortex rings of its lanes.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.lanes import ALONG_X, ALONG_Z
+from upwash.aero.pose import Pose, Stroke
 from upwash.optimum.edges import distinct_edges, edge_distance
-from upwash.optimum.flock import felt_by, leader_of, side_of
 from upwash.optimum.flock_solution import FlockSolution
 from upwash.optimum.flock_wake import FlockProblem, Place, flock_problems, superposed_wake
 from upwash.optimum.problem import CORE2, evaluate
@@ -54,22 +55,22 @@ class Follower:
 
     def __init__(self, flock: FlockSolution, number: int) -> None:
         self.flock, self.number = flock, number
-        self.leader, self.side = leader_of(number, flock.shape), side_of(number, flock.shape)
-        self.felt = felt_by(number, flock.shape, flock.wake)
+        self.leader, self.side = flock.rules.leader_of(number), flock.rules.side_of(number)
+        self.felt = flock.rules.felt_by(number)
         # A single wake is felt alike wherever the leader is; among several their distances matter too.
         first = AMPLITUDE if len(self.felt) == 1 else X
         self.acting = [(one, variable) for one in self.felt if one > 1 for variable in range(first, PHASE)]
         places = [one.place for one in flock.placed if one.place is not None]
-        own, followed = places[number - 1], places[self.leader - 1]
-        self.problem, coordinate = self.pose(places, (own.phase - followed.phase) % 1.0)
+        own = places[number - 1].pose.relative_to(places[self.leader - 1].pose)
+        self.problem, coordinate = self.pose(places, own.phase % 1.0)
         b = flock.bird.semispan_m
         self.start = np.array(
             [
-                (own.x_m - followed.x_m) / b,
-                self.side * (own.y_m - followed.y_m) / b,
-                (own.z_m - followed.z_m) / b,
-                own.amplitude_m / b,
-                own.upstroke_span_ratio,
+                own.x_m / b,
+                self.side * own.y_m / b,
+                own.z_m / b,
+                own.stroke.amplitude_m / b,
+                own.stroke.span_ratio,
                 coordinate,
             ]
         )
@@ -80,17 +81,8 @@ class Follower:
 
     def place(self, variables: NDArray[np.float64], places: Sequence[Place]) -> Place:
         """Return where and how it flies behind birds at their places."""
-        x, y, z, amplitude, ratio, coordinate = variables.tolist()
-        followed, b = places[self.leader - 1], self.flock.bird.semispan_m
-        return Place(
-            followed.row + 1,
-            followed.x_m + x * b,
-            followed.y_m + self.side * y * b,
-            followed.z_m + z * b,
-            amplitude * b,
-            ratio,
-            (followed.phase + self.problem.phase(coordinate)) % 1.0,
-        )
+        followed, own = places[self.leader - 1], self.problem.pose(variables)
+        return Place(followed.row + 1, (own if self.side > 0.0 else own.mirrored()).behind(followed.pose))
 
     def ahead(self, places: Sequence[Place]) -> tuple[Place, ...]:
         """Return the birds whose wakes it feels, mirrored if it flies to the left."""
@@ -107,15 +99,11 @@ class Follower:
         coordinate : float
             The phase's coordinate in it.
         """
-        limit = places[0] if self.flock.reading == "lone" else places[self.leader - 1]
-        pieces = flock_problems(
-            self.ahead(places),
-            self.flock.wavelengths,
-            bird=self.flock.bird,
-            objective=self.flock.objective,
-            amplitude_limit_m=limit.amplitude_m,
-            model=self.flock.model,
-        )
+        flock = self.flock
+        limit = (
+            places[0] if flock.rules.reading == "lone" else places[self.leader - 1]
+        ).pose.stroke.amplitude_m
+        pieces = flock_problems(flock.bird, flock.objective, self.ahead(places), limit, flock.model)
         if len(pieces) == 1:
             return pieces[0], abs(phase - 0.5)
         for piece in pieces:
@@ -128,7 +116,7 @@ class Follower:
     def lanes(self, places: Sequence[Place]) -> NDArray[np.float64]:
         """Return its lanes behind birds at their places."""
         flock = self.flock
-        wake = superposed_wake(flock.bird, self.ahead(places), flock.wavelengths, flock.model)
+        wake = superposed_wake(flock.bird, self.ahead(places), flock.model)
         first_x, last_x, first_z, last_z = wake.rings.T[:4]
         length = np.hypot(last_x - first_x, last_z - first_z)
         lanes = self.problem.lanes.copy()
@@ -172,12 +160,5 @@ class Follower:
 
 def _moved(place: Place, seed: int) -> Place:
     x, y, z, amplitude, ratio = np.random.default_rng(seed).uniform(0.0, GENERIC, 5)
-    return Place(
-        place.row,
-        place.x_m + x,
-        place.y_m + y,
-        place.z_m + z,
-        place.amplitude_m + amplitude,
-        place.upstroke_span_ratio + ratio,
-        place.phase,
-    )
+    stroke = Stroke(place.pose.stroke.amplitude_m + amplitude, place.pose.stroke.span_ratio + ratio)
+    return replace(place, pose=Pose(x, y, z, stroke, 0.0).behind(place.pose))

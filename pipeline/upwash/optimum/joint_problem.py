@@ -160,7 +160,7 @@ class JointProblem:
         alone = self.flock.bird.amplitude_m / self.flock.bird.semispan_m
         # What the bird ahead limits is a coupling; here is the most that it can be.
         found[:, Z] = [-alone, alone]
-        found[:, AMPLITUDE] = [LEAST_AMPLITUDE * alone if self.flock.reading == "lone" else 0.0, alone]
+        found[:, AMPLITUDE] = [LEAST_AMPLITUDE * alone if self.flock.rules.reading == "lone" else 0.0, alone]
         for k, follower in enumerate(self.followers):
             if len(follower.felt) > 1:
                 found[k, PHASE] = self.start[k, PHASE]
@@ -171,7 +171,7 @@ class JointProblem:
         rows, least = [], []
         alone = self.flock.bird.amplitude_m / self.flock.bird.semispan_m
         terms = [(Z, 1.0, 1.0), (Z, -1.0, 1.0)]
-        if self.flock.reading == "immediate":
+        if self.flock.rules.reading == "immediate":
             terms += [(AMPLITUDE, -1.0, 1.0), (AMPLITUDE, 1.0, -LEAST_AMPLITUDE)]
         for k, follower in enumerate(self.followers):
             for variable, own, ahead in terms:

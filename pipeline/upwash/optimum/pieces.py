@@ -21,15 +21,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.optimum.certify import MOST_BOXES, certify
+from upwash.optimum.certify import certify
 from upwash.optimum.evidence import ON_BOUND, Evidence, gather_evidence
 from upwash.optimum.local import SCALE
 from upwash.optimum.problem import VARIABLES, PairProblem
 from upwash.optimum.search import SAME_BASIN, Basin, Search
+from upwash.optimum.settings import SearchSettings
 from upwash.optimum.solution import V_LABELS, PairSolution, Proof, describe_optimum, labels
-
-STARTS = 120
-"""Default number of starts in each kind of place."""
 
 MOST_PROOFS = 8
 """Proofs tried in turn when each spends its budget but meets something better than the last one's best."""
@@ -58,11 +56,8 @@ _NOTHING_PROVED = _Region(math.nan, None, 0, 0, True)
 
 def solve_pieces(
     problems: Sequence[PairProblem],
+    settings: SearchSettings,
     *,
-    seed: int = 0,
-    tolerance: float = 1e-4,
-    starts: int = STARTS,
-    most_boxes: int = MOST_BOXES,
     proves_all: bool = True,
 ) -> PairSolution:
     """Solve one follower's problem that is posed in pieces of phase.
@@ -72,8 +67,8 @@ def solve_pieces(
     problems : sequence of PairProblem
         The problem in each piece: one that holds all phases but for symmetry, or several that follow one
         another around the wingbeat and differ in nothing but the phase.
-    seed, tolerance, starts, most_boxes
-        As for `upwash.optimum.pair.solve_pair`; the pieces share the starts.
+    settings : SearchSettings
+        How long to search, and how closely to prove; the pieces share the starts.
     proves_all : bool
         Whether the global optimum is proved and the others near it are sought, and not the V optimum alone.
 
@@ -83,8 +78,8 @@ def solve_pieces(
         The optima of all pieces, best first, and the proof.
     """
     begun = time.perf_counter()
-    searches = [Search(problem, seed) for problem in problems]
-    share = -(-starts // len(problems))
+    searches = [Search(problem, settings.seed) for problem in problems]
+    share = -(-settings.starts // len(problems))
     problem, v_bounds = problems[0], [one.v_bounds() for one in problems]
     has_v_region = bool(np.all(v_bounds[0][:, 0] <= v_bounds[0][:, 1]))
     in_v: list[Basin | None] = [None] * len(problems)
@@ -98,11 +93,11 @@ def solve_pieces(
         if proves_all:
             search.explore_around_best()
 
-    v_region = _prove(searches, v_bounds, in_v, tolerance, most_boxes)
+    v_region = _prove(searches, v_bounds, in_v, settings)
     whole = _NOTHING_PROVED
     if proves_all:
         bounds = [one.bounds for one in problems]
-        whole = _prove(searches, bounds, [None] * len(problems), tolerance, most_boxes)
+        whole = _prove(searches, bounds, [None] * len(problems), settings)
         for search in searches:
             search.explore_around_best()
     optima = _optima(searches)
@@ -135,7 +130,7 @@ def solve_pieces(
         feasible=bool(optima),
         is_closed=v_region.is_closed
         and whole.is_closed
-        and all(one is None or one <= tolerance * (1.0 + ROUNDING) for one in proved),
+        and all(one is None or one <= settings.tolerance * (1.0 + ROUNDING) for one in proved),
     )
     status = "solved" if optima else "infeasible"
     return PairSolution(status, described, proof, time.perf_counter() - begun)
@@ -201,8 +196,7 @@ def _prove(
     searches: Sequence[Search],
     bounds: Sequence[NDArray[np.float64]],
     known: Sequence[Basin | None],
-    tolerance: float,
-    most_boxes: int,
+    settings: SearchSettings,
 ) -> _Region:
     """Prove the best point of a region; whatever better the proof meets is a start for all basins."""
     best: Basin | None = None
@@ -219,8 +213,8 @@ def _prove(
                 search.problem,
                 within,
                 best.cost if best else math.inf,
-                tolerance,
-                most_boxes,
+                settings.tolerance,
+                settings.most_boxes,
                 partial(search.descend, bounds=within),
             )
             boxes += certificate.boxes

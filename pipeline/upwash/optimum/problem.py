@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from upwash.aero.bird import Bird
 from upwash.aero.interaction import phase_piece, state_circulation_ratio, wake_force
 from upwash.aero.lanes import wake_force_jacobian, wake_lanes
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import (
     COST_FUNCTIONS,
     CostFunction,
@@ -58,8 +59,8 @@ class PairProblem:
         The first bird of the flock: it sets weight, drag, circulation, wavelength and semispan for all.
     objective : str
         Name of a cost function in `upwash.aero.power.COST_FUNCTIONS`.
-    leader_amplitude_m, leader_upstroke_span_ratio : float, optional
-        Stroke of the bird immediately ahead; that of `bird` if not given.
+    ahead : Stroke, optional
+        How the bird immediately ahead flaps; as `bird` does alone if not given.
     amplitude_limit_m : float, optional
         Largest amplitude of the follower; that of the bird immediately ahead if not given.
     model : WakeModel
@@ -76,8 +77,7 @@ class PairProblem:
     bird: Bird
     objective: str = "force"
     # None stands for the bird's own until __post_init__ puts it in.
-    leader_amplitude_m: float = None  # type: ignore[assignment]
-    leader_upstroke_span_ratio: float = None  # type: ignore[assignment]
+    ahead: Stroke = None  # type: ignore[assignment]
     amplitude_limit_m: float = None  # type: ignore[assignment]
     model: WakeModel = field(default_factory=WakeModel)
     piece: int = 1
@@ -92,18 +92,12 @@ class PairProblem:
             raise ValueError(
                 f"objective: expected one of {', '.join(sorted(COST_FUNCTIONS))}, found {self.objective!r}"
             )
-        if self.leader_amplitude_m is None:
-            object.__setattr__(self, "leader_amplitude_m", bird.amplitude_m)
-        if self.leader_upstroke_span_ratio is None:
-            object.__setattr__(self, "leader_upstroke_span_ratio", bird.upstroke_span_ratio)
+        if self.ahead is None:
+            object.__setattr__(self, "ahead", bird.stroke)
         if self.amplitude_limit_m is None:
-            object.__setattr__(self, "amplitude_limit_m", self.leader_amplitude_m)
+            object.__setattr__(self, "amplitude_limit_m", self.ahead.amplitude_m)
         # The bird's own rules hold for the bird ahead and for the limit.
-        replace(
-            bird,
-            amplitude_m=self.leader_amplitude_m,
-            upstroke_span_ratio=self.leader_upstroke_span_ratio,
-        )
+        replace(bird, amplitude_m=self.ahead.amplitude_m, upstroke_span_ratio=self.ahead.span_ratio)
         replace(bird, amplitude_m=self.amplitude_limit_m)
         object.__setattr__(self, "lanes", self._lanes())
         object.__setattr__(self, "constants", self._constants())
@@ -122,7 +116,7 @@ class PairProblem:
     @property
     def leader_height(self) -> float:
         """Amplitude of the bird ahead, in semispans."""
-        return self.leader_amplitude_m / self.bird.semispan_m
+        return self.ahead.amplitude_m / self.bird.semispan_m
 
     @property
     def wavelength(self) -> float:
@@ -139,12 +133,13 @@ class PairProblem:
         """Vortex rings that the follower feels, in semispans; their states are the rows of `phase_ramp`."""
         return vortex_wake(
             self.leader_height,
-            self.leader_upstroke_span_ratio,
+            self.ahead.span_ratio,
             1.0,
             self.wavelength,
             self.bird.circulation_m2_s / self.bird.semispan_m,
             self.bird.circulation_ratio,
             self.model.stroke_states,
+            self.model.wavelengths,
         )
 
     def phase_ramp(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -162,12 +157,15 @@ class PairProblem:
         leader = ("up", "down")[state] if self.model.stroke_states == 2 else str(state)
         return f"{stroke} ring (leader {leader})"
 
-    def wake_force_n(
-        self, position_m: tuple[float, float, float], amplitude_m: float, span_ratio: float, phase: float
-    ) -> tuple[float, float]:
+    def pose(self, point: NDArray[np.float64]) -> Pose:
+        """Pose, in SI units and relative to the bird ahead, of a point of the scaled problem."""
+        x, y, z, amplitude, ratio, coordinate = (float(value) for value in point)
+        b = self.bird.semispan_m
+        return Pose(x * b, y * b, z * b, Stroke(amplitude * b, ratio), self.phase(coordinate))
+
+    def wake_force_n(self, pose: Pose) -> tuple[float, float]:
         """Lift and thrust of the wake on a follower, in N, by the plain statement of the model."""
-        ahead = self.leader_amplitude_m, self.leader_upstroke_span_ratio
-        return wake_force(self.bird, *ahead, position_m, amplitude_m, span_ratio, phase, self.model)
+        return wake_force(self.bird, self.ahead, pose, self.model)
 
     def _lanes(self) -> NDArray[np.float64]:
         bird, states = self.bird, self.model.stroke_states

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, fields
 from typing import TYPE_CHECKING, Any
 
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import induced_power_w, parasite_power_w, profile_power_w
 from upwash.optimum.evidence import Evidence, describe_edge
 from upwash.optimum.problem import ASTERN, LEVEL, OUTBOARD, PairProblem
@@ -77,6 +78,12 @@ class Optimum:
     curvature: float | None
     multiplier_lift: float
     multiplier_thrust: float
+
+    @property
+    def pose(self) -> Pose:
+        """Where and how the follower flies, relative to the bird ahead."""
+        stroke = Stroke(self.amplitude_m, self.upstroke_span_ratio)
+        return Pose(self.x_m, self.y_m, self.z_m, stroke, self.phase)
 
 
 @dataclass(frozen=True)
@@ -181,25 +188,24 @@ def describe_optimum(
     is_v_optimum : bool
         Whether it is the best of those in a V.
     """
-    bird, b = problem.bird, problem.bird.semispan_m
-    x, y, z, amplitude, ratio, coordinate = (float(value) for value in basin.point)
-    phase = problem.phase(coordinate)
-    lift_wake, thrust_wake = problem.wake_force_n((x * b, y * b, z * b), amplitude * b, ratio, phase)
-    lift, thrust = bird.lift_n(ratio), bird.thrust_n(amplitude * b, ratio)
+    bird = problem.bird
+    pose = problem.pose(basin.point)
+    lift_wake, thrust_wake = problem.wake_force_n(pose)
+    lift, thrust = bird.self_force_n(pose.stroke)
     own = induced_power_w(bird, lift), profile_power_w(bird, thrust), parasite_power_w(bird)
     alone = (
         induced_power_w(bird, bird.weight_n),
         profile_power_w(bird, bird.drag_n),
         parasite_power_w(bird),
     )
-    placement, tier, station = labels(problem, x, y, z)
+    placement, tier, station = labels(problem, *(float(value) for value in basin.point[:3]))
     return Optimum(
-        x_m=x * b,
-        y_m=y * b,
-        z_m=z * b,
-        amplitude_m=amplitude * b,
-        upstroke_span_ratio=ratio,
-        phase=phase,
+        x_m=pose.x_m,
+        y_m=pose.y_m,
+        z_m=pose.z_m,
+        amplitude_m=pose.stroke.amplitude_m,
+        upstroke_span_ratio=pose.stroke.span_ratio,
+        phase=pose.phase,
         weight_n=bird.weight_n,
         drag_n=bird.drag_n,
         lift_self_n=lift,

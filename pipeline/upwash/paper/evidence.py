@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import pi, sin
 from pathlib import Path
@@ -22,7 +22,7 @@ from upwash.errors import UpwashError
 from upwash.optimum.problem import STREAMWISE_REACH
 from upwash.paper.printed import Row
 from upwash.study.quantities import with_quantities
-from upwash.study.sources import bird_of, read_study
+from upwash.study.sources import bird_of, pose_of, read_study
 
 PAPER_BIRD = Bird(
     mass_kg=1.3,
@@ -151,15 +151,9 @@ class Evidence:
     def forces(self) -> dict[str, NDArray[np.float64]]:
         """Wake-induced lift and thrust at the V optimum in each pair of stroke states, (2, 2, 2) in N."""
         return {
-            objective: state_forces(
-                *self._leader, _position(row), row["amplitude_m"], row["upstroke_span_ratio"]
-            )
-            for objective, row in ((one, self.v(one)) for one in OBJECTIVES)
+            objective: state_forces(self.bird, self.bird.stroke, pose_of(self.v(objective)))
+            for objective in OBJECTIVES
         }
-
-    @property
-    def _leader(self) -> tuple[Bird, float, float]:
-        return self.bird, self.bird.amplitude_m, self.bird.upstroke_span_ratio
 
     def wake_over(
         self, objective: str, plane: str, x_m: ArrayLike, across: ArrayLike, **place: float
@@ -182,11 +176,12 @@ class Evidence:
         tuple of (m, n) ndarray of float
             Lift and thrust, in N.
         """
-        bird, row = self.bird, self.v(objective)
-        position = [place.get(axis, one) for axis, one in zip("xyz", _position(row), strict=True)]
-        stroke = row["amplitude_m"], row["upstroke_span_ratio"]
-        found = force_map(*self._leader, (*position, row["phase"]), *stroke, plane, x_m, across)
-        return found.lift_n - bird.lift_n(stroke[1]), found.thrust_n - bird.thrust_n(*stroke)
+        bird, pose = self.bird, pose_of(self.v(objective))
+        x, y, z = (place.get(axis, value) for axis, value in zip("xyz", pose.position_m, strict=True))
+        pose = replace(pose, x_m=x, y_m=y, z_m=z)
+        found = force_map(bird, bird.stroke, pose, plane, x_m, across)
+        lift, thrust = bird.self_force_n(pose.stroke)
+        return found.lift_n - lift, found.thrust_n - thrust
 
     @cached_property
     def maps(self) -> dict[str, ForceRatios]:
@@ -207,10 +202,6 @@ class Evidence:
                 own_lift + lift / bird.weight_n, own_thrust + thrust / bird.drag_n, own_lift, own_thrust
             )
         return found
-
-
-def _position(row: Row) -> tuple[float, float, float]:
-    return row["x_m"], row["y_m"], row["z_m"]
 
 
 def beside(results: Path) -> list[Path]:

@@ -15,6 +15,7 @@ from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 from upwash.paper.claim import Cases, Claim, at_most, near
 from upwash.paper.evidence import OBJECTIVES, Evidence
+from upwash.study.sources import pose_of
 
 # Another pair of R and Γ_up/Γ_down with the same product.
 OTHER_RATIO = 0.5
@@ -70,11 +71,10 @@ def _same_product(evidence: Evidence) -> Cases:
         upstroke_span_ratio=OTHER_RATIO,
         circulation_ratio=bird.circulation_ratio * bird.upstroke_span_ratio / OTHER_RATIO,
     )
-    place, stroke = (row["x_m"], row["y_m"], row["z_m"]), (row["amplitude_m"], row["upstroke_span_ratio"])
 
     def wake_force(one: Bird) -> NDArray[np.float64]:
         # Leader up, follower down: the upstroke's ring is the nearer one.
-        return state_forces(one, one.amplitude_m, one.upstroke_span_ratio, place, *stroke)[UP, DOWN]
+        return state_forces(one, one.stroke, pose_of(row))[UP, DOWN]
 
     lift, thrust = abs(wake_force(other) / wake_force(bird) - 1.0)
     return {

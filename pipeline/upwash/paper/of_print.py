@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from upwash.aero.interaction import net_force
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS, induced_power_w
 from upwash.paper.claim import Cases, Claim, at_least, at_most, near
 from upwash.paper.evidence import Evidence
@@ -43,8 +44,8 @@ def _corners() -> np.ndarray:
 def _balance_of_table_1(evidence: Evidence) -> Cases:
     """Largest net force over what is needed that the rounding of Table 1 allows."""
     bird = evidence.bird
-    leader = bird.amplitude_m, bird.upstroke_span_ratio
-    forces = np.array([net_force(bird, *leader, one[:3], *one[3:]) for one in _corners()])
+    poses = [Pose(x, y, z, Stroke(h, r), k) for x, y, z, h, r, k in _corners()]
+    forces = np.array([net_force(bird, bird.stroke, pose) for pose in poses])
     lift, thrust = np.max(forces / [bird.weight_n, bird.drag_n], axis=0)
     return {"lift": float(lift), "thrust": float(thrust)}
 

@@ -42,7 +42,7 @@ class End:
 
 def paper_start(problem: PairProblem) -> NDArray[np.float64]:
     """Return the paper's start: the leader's own place and stroke, and phase ½."""
-    return np.array([0.0, 0.0, 0.0, problem.leader_height, problem.leader_upstroke_span_ratio, 0.5])
+    return np.array([0.0, 0.0, 0.0, problem.leader_height, problem.ahead.span_ratio, 0.5])
 
 
 def spread_starts(problem: PairProblem, count: int, seed: int) -> NDArray[np.float64]:

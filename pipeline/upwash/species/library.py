@@ -80,6 +80,12 @@ def load_species(name_or_path: str | os.PathLike[str]) -> Species:
     ------
     UpwashError
         If there is no such species, or anything in its file is missing, unknown or impossible.
+
+    Examples
+    --------
+    >>> dunlin = load_species("dunlin")
+    >>> dunlin.scientific_name, round(dunlin.bird(speed_m_s=14.0).wavelength_m, 2)
+    ('Calidris alpina', 1.35)
     """
     path = find_species(name_or_path)
     content = read_species_file(path, _ibis)

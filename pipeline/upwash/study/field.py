@@ -16,7 +16,7 @@ from upwash.aero.field_map import COORDINATES, PLANES, ForceMap, force_map
 from upwash.batch.store import TABLE_OPTIONS, provenance, replacing, schema_of
 from upwash.columns import Column
 from upwash.optimum.problem import STREAMWISE_REACH
-from upwash.study.sources import bird_of
+from upwash.study.sources import bird_of, pose_of
 
 SPANWISE = 3.0
 """Reach of a map to the side, in semispans."""
@@ -62,11 +62,8 @@ def plane_through(row: pd.Series, plane: str, size: int) -> ForceMap:
     def rows_of(second: np.ndarray) -> ForceMap:
         return force_map(
             bird,
-            bird.amplitude_m,
-            bird.upstroke_span_ratio,
-            (row["x_m"], row["y_m"], row["z_m"], row["phase"]),
-            row["amplitude_m"],
-            row["upstroke_span_ratio"],
+            bird.stroke,
+            pose_of(row),
             plane,
             first,
             second,

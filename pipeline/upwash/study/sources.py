@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from upwash import columns as of
 from upwash.aero.bird import Bird
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.store import GATHERED, ROWS, Damaged, metadata_of, read_table
@@ -221,6 +223,12 @@ def bird_of(row: pd.Series) -> Bird:
         upstroke_span_ratio=row["leader_upstroke_span_ratio"],
         circulation_ratio=row["circulation_ratio"],
     )
+
+
+def pose_of(row: pd.Series | Mapping[str, Any]) -> Pose:
+    """Return where and how the follower of a row flies, relative to the bird ahead."""
+    stroke = Stroke(row["amplitude_m"], row["upstroke_span_ratio"])
+    return Pose(row["x_m"], row["y_m"], row["z_m"], stroke, row["phase"])
 
 
 def objectives_of(rows: pd.DataFrame) -> list[str]:

@@ -18,7 +18,8 @@ from upwash.sweep.values import Setting, unit_sample
 
 STROKE_ANGLE = "stroke_half_angle_deg"
 PAPER = WakeModel()
-RESOLUTION = tuple(entry.name for entry in fields(WakeModel))
+# How long wakes are is told of a flock, in its own table.
+RESOLUTION = tuple(entry.name for entry in fields(WakeModel) if entry.name != "wavelengths")
 
 # Where a job's inputs are named otherwise than in a sweep file: there they describe the bird ahead.
 COLUMN = {

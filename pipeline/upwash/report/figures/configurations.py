@@ -22,7 +22,7 @@ from upwash.report.figures.drawing import (
     styled,
 )
 from upwash.report.figures.perspective import View, draw_directions
-from upwash.study.sources import best, bird_of, objectives_of
+from upwash.study.sources import best, bird_of, objectives_of, pose_of
 
 NAME = "configurations"
 TITLE = "The four pairs of stroke states"
@@ -66,14 +66,7 @@ def _row(pair: pd.DataFrame) -> pd.Series:
 
 
 def _forces(row: pd.Series) -> np.ndarray:
-    return state_forces(
-        bird_of(row),
-        row["leader_amplitude_m"],
-        row["leader_upstroke_span_ratio"],
-        (row["x_m"], row["y_m"], row["z_m"]),
-        row["amplitude_m"],
-        row["upstroke_span_ratio"],
-    )
+    return state_forces(bird_of(row), bird_of(row).stroke, pose_of(row))
 
 
 @styled

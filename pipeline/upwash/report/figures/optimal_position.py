@@ -24,7 +24,7 @@ from upwash.report.figures.drawing import (
     styled,
     tip_height,
 )
-from upwash.study.sources import best, bird_of, common_name, objectives_of
+from upwash.study.sources import best, bird_of, common_name, objectives_of, pose_of
 
 NAME = "optimal-position"
 TITLE = "Where the follower should fly"
@@ -50,14 +50,7 @@ def wake_forces(row: pd.Series) -> np.ndarray:
     (5, 2) ndarray of float
         Thrust over D, lift over W.
     """
-    found = state_forces(
-        bird_of(row),
-        row["leader_amplitude_m"],
-        row["leader_upstroke_span_ratio"],
-        (row["x_m"], row["y_m"], row["z_m"]),
-        row["amplitude_m"],
-        row["upstroke_span_ratio"],
-    )
+    found = state_forces(bird_of(row), bird_of(row).stroke, pose_of(row))
     mean = np.tensordot(phase_weights(row["phase"]), found, axes=2)
     forces = np.vstack([found.reshape(4, 2), mean])
     return forces[:, ::-1] / (row["drag_n"], row["weight_n"])
