@@ -6,13 +6,15 @@ import pty
 import shutil
 import subprocess
 import time
+from collections import Counter
 from contextlib import contextmanager
 
 import pyarrow.parquet as pq
 import pytest
 from conftest import wait_until
 from upwash import kernel
-from upwash.batch import merging, runner
+from upwash.batch import estimate, merging, runner
+from upwash.batch import job as job_module
 from upwash.batch.job import needs_compiling
 from upwash.batch.store import write_atomic
 from upwash.sweep import read_sweep
@@ -106,7 +108,90 @@ def test_a_dry_run_foresees_each_job_and_writes_nothing(bench):
     assert reasons == [(False, "done: solved")] * 2 + [(False, failed)] * 2
     again = json.loads(bench.run("--dry-run", "--retry-failed", "--json")[0])
     assert again["to_run"] == 2 and again["from_experience"]
+    assert again["judged_by"] == "by the 4 done so far"
     assert before == {path: path.stat().st_mtime_ns for path in bench.results.rglob("*")}
+
+
+class TestEstimate:
+    def test_is_measured_by_what_the_folder_holds(self, bench):
+        bench.sweep("slow", 4)
+        assert json.loads(bench.run("--dry-run", "--json")[0])["seconds"] is None
+        assert (
+            "how long that takes is not known: no job of it was done here before" in bench.run("--dry-run")[1]
+        )
+        bench.run()
+        bench.sweep("slow", 100)
+        told = json.loads(bench.run("--dry-run", "--json", "--workers", "3")[0])
+        # A job sleeps for 0.02 s; of 100 four are done.
+        assert told["to_run"] == 96 and told["seconds"] > 96 * 0.02 / 3
+        fewer = json.loads(bench.run("--dry-run", "--json", "--workers", "1")[0])
+        assert fewer["seconds"] == pytest.approx(3 * told["seconds"])
+        bench("aggregate", "results/sweep")
+        gathered = json.loads(bench.run("--dry-run", "--json", "--workers", "3")[0])
+        assert gathered["judged_by"] == "by the 4 done so far" and gathered["seconds"] > 0
+
+    def test_is_measured_on_the_spot_where_nothing_is_there(self, bench, reproduced, monkeypatch):
+        solved = []
+        monkeypatch.setattr(job_module, "run_job", lambda job: solved.append(job) or time.sleep(0.1))
+        monkeypatch.setattr(estimate, "TRIAL_S", 0.25)
+        (bench.folder / "ibis.toml").write_text(IBISES)
+        told = json.loads(bench("run", "./ibis.toml", "--dry-run", "--json")[0])
+        assert len(solved) == 3 and len({job.job_id for job in solved}) == 3
+        assert told["seconds"] == pytest.approx(40 * 0.1 / 2, rel=0.5)
+        assert told["judged_by"] == "by 3 solved just now on this machine" and not told["from_experience"]
+        assert os.listdir(bench.folder) == ["ibis.toml"]
+
+    def test_is_not_made_before_the_search_is_compiled(self, bench, monkeypatch):
+        monkeypatch.setattr(job_module, "needs_compiling", lambda job: True)
+        (bench.folder / "ibis.toml").write_text(IBISES)
+        _, said = bench("run", "./ibis.toml", "--dry-run")
+        assert "40 of 40 jobs would run; how long that takes is not known: the search is not compiled" in said
+
+
+IBISES = """\
+species = "northern-bald-ibis"
+[grid]
+mass_kg = { linspace = [1.1, 1.4, 40] }
+"""
+
+
+def test_a_run_that_goes_on_says_at_once_what_is_left_and_counts_all_jobs(bench):
+    bench.sweep("two_optima", 3)
+    assert "left to do" not in bench.run()[1]
+    bench.sweep("two_optima", 9)
+    first, *_, last, summary = bench.run()[1].splitlines()
+    assert first == "results/sweep: 3 of 9 jobs are done, 6 left to do"
+    assert last.startswith("9 of 9 jobs, ")
+    assert summary == "results/sweep: 9 jobs, 6 done now, 3 before"
+
+
+class TestListingJobs:
+    def test_says_of_each_how_it_ended_and_what_it_is(self, bench):
+        bench.sweep("failing_when_heavy", 4)
+        bench.run(code=1)
+        bench.sweep("failing_when_heavy", 7)
+        bench.run("--dry-run")
+        bench.run("--shard", "1/2", code=1)
+        listed = json.loads(bench("status", "results/sweep", "--jobs", "--json", code=1)[0])
+        status = bench.status(code=1)
+        statuses = Counter(job["status"] for job in listed)
+        assert statuses == {name: status[name] for name in ("solved", "failed", "left")}
+        assert status["left"]
+        lines = bench("status", "results/sweep", "--jobs", code=1)[0].splitlines()
+        assert [line.split()[:2] for line in lines] == [[job["job_id"], job["status"]] for job in listed]
+        assert lines[0].endswith("solved      northern-bald-ibis force mass_kg=1.1")
+        assert lines[-1].endswith("failed      northern-bald-ibis force mass_kg=1.4  (ZeroDivisionError)")
+
+    def test_is_the_same_once_gathered_and_where_the_hint_says(self, bench):
+        bench.sweep("two_optima", 3)
+        bench.run()
+        before = bench("status", "results/sweep", "--jobs")[0]
+        bench("aggregate", "results/sweep")
+        assert bench("status", "results/sweep", "--jobs")[0] == before
+        assert (
+            "'upwash status results/sweep --jobs' lists them"
+            in bench("show", "results/sweep", "zz", code=2)[1]
+        )
 
 
 def test_a_dry_run_says_what_has_changed(bench):

@@ -43,7 +43,7 @@ def rows_of(folder: ResultsFolder, beginning: str) -> list[dict[str, Any]]:
     ids = [job_id for job_id in places if job_id.startswith(beginning)]
     if len(ids) != 1 or not beginning:
         found = ", ".join(sorted(ids)[:SHOWN]) + (", ..." if len(ids) > SHOWN else "") if ids else "none"
-        remedy = "give more of its id" if ids else f"'upwash status {folder}' tells what is there"
+        remedy = "give more of its id" if ids else f"'upwash status {folder} --jobs' lists them"
         raise UpwashError(
             f"{folder}: expected one job whose id begins with {beginning!r}, found {found}; {remedy}"
         )

@@ -21,19 +21,27 @@ class Progress:
     Parameters
     ----------
     total : int
-        Jobs to do in this run.
+        Jobs of the sweep, or of this part of it.
+    before : int
+        Those of them that were done before.
     stream : text stream
         Where to write: standard error.
     """
 
-    def __init__(self, total: int, stream: TextIO) -> None:
+    def __init__(self, total: int, before: int, stream: TextIO) -> None:
         self.total = total
+        self.before = before
         self.stream = stream
         self.is_terminal = stream.isatty()
         self.done = 0
         self.failed = 0
         self.begun = self.said_at = time.monotonic()
         self.said = 0
+
+    @property
+    def left(self) -> int:
+        """Jobs that are still to be done."""
+        return self.total - self.before - self.done
 
     def finished(self, job_id: str, status: str, error: str) -> None:
         """Count a job, and show its failure."""
@@ -57,12 +65,12 @@ class Progress:
         """Bring the bar up to date, or write a line if enough has happened."""
         now = time.monotonic()
         if self.is_terminal:
-            filled = BAR_WIDTH * self.done // max(1, self.total)
+            filled = BAR_WIDTH * (self.before + self.done) // max(1, self.total)
             self.stream.write(f"\r[{'#' * filled:{BAR_WIDTH}}] {self.words(now)}\x1b[K")
             self.stream.flush()
         elif self.done != self.said and (
-            self.done - self.said >= self.total / LINES
-            or self.done == self.total
+            self.done - self.said >= (self.total - self.before) / LINES
+            or self.left == 0
             or now - self.said_at > MAX_SILENCE_S
         ):
             self.stream.write(self.words(now) + "\n")
@@ -73,13 +81,13 @@ class Progress:
         """Return how far the run has come."""
         elapsed = now - self.begun
         rate = self.done / elapsed if elapsed > 0 else 0.0
-        parts = [f"{self.done} of {self.total} jobs"]
+        parts = [f"{self.before + self.done} of {self.total} jobs"]
         if self.failed:
             parts.append(f"{self.failed} failed")
         if self.done:
             parts.append(f"{rate:.3g} jobs/s")
-        if 0 < self.done < self.total:
-            parts.append(f"{duration((self.total - self.done) / rate)} left")
+        if self.done and self.left and rate:
+            parts.append(f"{duration(self.left / rate)} left")
         return ", ".join(parts)
 
     def close(self) -> None:

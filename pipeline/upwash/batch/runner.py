@@ -134,7 +134,9 @@ def run_sweep(
         tally = Tally(len(jobs), kept, failed=_failed(jobs, known) if not options.retry_failed else 0)
         if to_do:
             journal = stack.enter_context(folder.open_journal(options.shard, len(to_do)))
-            progress = Progress(len(to_do), stream)
+            progress = Progress(len(jobs), kept, stream)
+            if kept:
+                progress.tell(f"{folder}: {kept} of {len(jobs)} jobs are done, {len(to_do)} left to do")
             stack.callback(progress.close)
             gathering = Gathering(folder, options.shard, ROWS[plan.kind], plan.text)
             run = _Run(folder, gathering, journal, progress, tally, options)

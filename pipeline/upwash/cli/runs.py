@@ -87,7 +87,7 @@ def run(
     if dry_run:
         from upwash.batch.dry_run import foresee
 
-        foresight = foresee(read.jobs, folder, shard, retry_failed, workers)
+        foresight = foresee(read.jobs, folder, shard, retry_failed, workers, _say)
         if as_json:
             _print_json(asdict(foresight))
         else:
@@ -150,8 +150,9 @@ def merge(out: str, parts: tuple[str, ...], as_json: bool) -> None:
 
 @click.command()
 @results
+@click.option("--jobs", "list_all", is_flag=True, help="List each job: id, how it ended, what it is.")
 @as_json
-def status(results: str, as_json: bool) -> None:
+def status(results: str, list_all: bool, as_json: bool) -> None:
     """Say how far a sweep has come.
 
     Exit code 1 if some jobs failed.
@@ -161,9 +162,20 @@ def status(results: str, as_json: bool) -> None:
       upwash status results/reproduce
     """
     from upwash.batch.folder import ResultsFolder
+    from upwash.batch.listing import list_jobs
     from upwash.batch.progress import duration
     from upwash.batch.status import status_of
 
+    if list_all:
+        listed = list_jobs(ResultsFolder(results))
+        if as_json:
+            _print_json([asdict(one) for one in listed])
+        for one in listed if not as_json else ():
+            cause = f"  ({one.cause})" if one.cause else ""
+            click.echo(f"{one.job_id}  {one.status:10}  {one.label}{cause}".rstrip())
+        if any(one.status == "failed" for one in listed):
+            raise click.exceptions.Exit(FAILED_EXIT)
+        return
     found = status_of(ResultsFolder(results))
     if as_json:
         _print_json(asdict(found))
