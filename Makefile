@@ -1,7 +1,7 @@
 # Upwash. `make` alone lists what there is to do. Needs only make and a Python 3.11 or newer.
 
 .DEFAULT_GOAL := help
-.PHONY: help install test portable reproduce reference check bench mutants docs clean lock
+.PHONY: help install test portable reproduce reference wheel check bench mutants docs clean lock
 .DELETE_ON_ERROR:
 
 # The first of these that is a Python 3.11 or newer and can make virtual environments; `make PYTHON=… test` overrides.
@@ -30,6 +30,9 @@ reproduce: $(VENV)/installed  ## redo the paper: solve, check, print its table b
 reference: $(VENV)/installed  ## renew results/reference/ and what shows it in README and docs, when results are meant to change
 	$(BIN)/python tools/renew_reference.py
 	$(BIN)/python tools/renew_claims.py
+
+wheel: $(VENV)/installed-dev  ## build a wheel, and try it in a fresh environment and an empty folder
+	$(BIN)/python tools/try_wheel.py
 
 check: $(VENV)/installed-dev  ## lint and type-check
 	$(BIN)/ruff check .

@@ -21,6 +21,7 @@ from upwash import __version__
 from upwash import columns as of
 from upwash.batch.folder import GATHERED as GATHERED
 from upwash.errors import UpwashError
+from upwash.shipped import checkout
 
 PACKAGES = ("joblib", "numba", "numpy", "pyarrow", "scipy")
 ARROW_TYPES = {of.FLOAT: pa.float64(), of.INTEGER: pa.int64(), of.TEXT: pa.string(), of.TRUTH: pa.bool_()}
@@ -59,7 +60,10 @@ SUMMARIES = {"pair": SUMMARY, "flock": FLOCK_SUMMARY}
 @cache
 def code_version() -> str:
     """Return Upwash's version and, in a checkout, the commit and whether files differ from it."""
-    folder = Path(__file__).parents[3]
+    folder = checkout()
+    if folder is None:
+        # A wheel may lie within a repository that is another's.
+        return __version__
     try:
         command = ["git", "-C", str(folder), "describe", "--always", "--dirty", "--exclude=*"]
         described = subprocess.run(command, capture_output=True, text=True, timeout=10)

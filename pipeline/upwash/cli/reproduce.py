@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from upwash.errors import CheckFailed
+from upwash.shipped import shipped
 
 if TYPE_CHECKING:
     from upwash.batch.folder import ResultsFolder
@@ -19,8 +19,7 @@ SWEEP = "reproduce"
 WORKERS = 2
 FAILED_EXIT = 1
 
-# Beside the package in a checkout, which is how Upwash is installed (pip install --editable).
-REFERENCE = Path(__file__).parents[3] / "results" / "reference"
+REFERENCE = shipped("results/reference")
 
 as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
 

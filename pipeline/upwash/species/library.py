@@ -12,13 +12,13 @@ from functools import cache
 from pathlib import Path
 
 from upwash.errors import UpwashError
+from upwash.shipped import shipped
 from upwash.species.file import SpeciesFile, printable, read_species_file
 from upwash.species.groups import outside
 from upwash.species.quantity import Quantity
 from upwash.species.species import Species
 
-# Beside the package in a checkout, which is how Upwash is installed (pip install --editable).
-LIBRARY_FOLDER = Path(__file__).parents[3] / "species"
+LIBRARY_FOLDER = shipped("species")
 REFERENCE = "northern-bald-ibis"
 
 
@@ -33,8 +33,7 @@ def library_paths() -> list[Path]:
     paths = sorted(LIBRARY_FOLDER.glob("*.toml"))
     if not paths:
         raise UpwashError(
-            f"species library: expected TOML files in {LIBRARY_FOLDER}, found none; install Upwash from a "
-            "checkout of its repository (make install)"
+            f"species library: expected TOML files in {LIBRARY_FOLDER}, found none; install Upwash again"
         )
     return paths
 

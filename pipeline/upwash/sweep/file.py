@@ -11,6 +11,7 @@ from typing import Any
 from upwash.aero.checked import finite, whole_from
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.errors import UpwashError
+from upwash.shipped import shipped
 from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
 from upwash.species.file import did_you_mean, printable
 from upwash.sweep.block import Block, Condition, Sample
@@ -20,8 +21,7 @@ from upwash.sweep.job import BUILT_IN_SOLVER, FLOCK_CHOICES, Job
 from upwash.sweep.solver import own_solver
 from upwash.sweep.values import MAX_POINTS, SAMPLERS, Setting, is_number, sampling_range, settings
 
-# Beside the package in a checkout, which is how Upwash is installed (pip install --editable).
-SWEEP_FOLDER = Path(__file__).parents[3] / "sweeps"
+SWEEP_FOLDER = shipped("sweeps")
 
 KINDS = ("pair", "flock")
 DEFAULTS: dict[str, Any] = {"objective": "force", "amplitude": "stroke-angle", "seed": 0, "tolerance": 1e-4}
