@@ -18,6 +18,7 @@ from upwash.aero.bird import Bird
 from upwash.batch.store import schema_of
 from upwash.columns import INTEGER, TEXT, TRUTH, Column
 from upwash.optimum.pair import solve_pair
+from upwash.optimum.proof import OPEN
 from upwash.optimum.settings import SearchSettings
 from upwash.optimum.solution import PairSolution
 
@@ -55,7 +56,9 @@ SCHEMA = schema_of(
         Column("v_gap", "1", "cost of the V optimum over its proved bound, less 1"),
         Column("v_wall", "", "walls on which the V region's best point lies, if it is no optimum", TEXT),
         Column("boxes", "1", "boxes that the proofs examined", INTEGER),
-        Column("is_closed", "", "whether both proofs reached the tolerance", TRUTH),
+        Column(
+            "is_closed", "", "whether both proofs, of the V region and of all, reached the tolerance", TRUTH
+        ),
         Column("stationarity", "1", "largest stationarity measure of the optima"),
         Column("solve_time_s", "s", "wall time"),
         Column("processor", "", "model of the processor", TEXT),
@@ -140,7 +143,7 @@ def outcome(solution: PairSolution) -> dict[str, Any]:
         "v_gap": proof.v_certified_gap,
         "v_wall": proof.v_wall,
         "boxes": proof.certificate_boxes,
-        "is_closed": proof.is_closed,
+        "is_closed": OPEN not in (proof.claims.v_region, proof.claims.everywhere),
         "stationarity": max((one.stationarity for one in solution.optima), default=None),
         "solve_time_s": solution.solve_time_s,
     }

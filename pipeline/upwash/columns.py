@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 """Raised by hand when a column is added, removed or given another meaning."""
 
 
@@ -307,6 +307,10 @@ COLUMNS = (
         listed=(JOBS,),
     ),
     _bound("v_lower_bound", description="no V formation costs less; absent if none can fly"),
+    _gap(
+        "v_region_certified_gap",
+        description="cost of the best place known in the V region over that bound, less 1",
+    ),
     _gap("v_certified_gap", description="V optimum's cost over that bound, less 1"),
     _bound("global_lower_bound", description="no position costs less; absent if none can be flown"),
     _gap("global_certified_gap", description="global optimum's cost over that bound, less 1"),

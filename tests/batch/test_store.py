@@ -18,7 +18,7 @@ from upwash.errors import UpwashError
 from upwash.sweep import Job, read_sweep
 
 # Schema version -> digest of the names, types and units of all columns.
-FORMS = {1: "a06206cb2947ec88"}
+FORMS = {1: "a06206cb2947ec88", 2: "f9fa9ac504550b55"}
 
 SCHEMAS = {
     "solutions": store.SOLUTIONS,
@@ -125,7 +125,9 @@ class TestDamage:
         assert noticed > 1000
 
     def test_something_else_is_damaged(self, job_file):
-        pq.write_table(pa.table({"a": [1]}).replace_schema_metadata({"schema_version": "1"}), job_file)
+        pq.write_table(
+            pa.table({"a": [1]}).replace_schema_metadata({"schema_version": str(of.SCHEMA_VERSION)}), job_file
+        )
         with pytest.raises(store.Damaged, match="columns"):
             store.read_table(job_file, store.SOLUTIONS)
 

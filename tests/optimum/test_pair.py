@@ -10,6 +10,7 @@ import pytest
 from upwash import SearchSettings, Stroke, solve_pair
 from upwash.aero.wake import WakeModel
 from upwash.optimum.problem import VARIABLES
+from upwash.optimum.proof import Claims
 
 SOLVE = """
 import json, sys
@@ -110,13 +111,15 @@ def test_where_the_best_of_the_v_region_is_no_optimum_its_wall_is_named(ibis):
     # A bird of the dunlin's kind: lightly loaded, with a long wake.
     bird = replace(ibis, mass_kg=0.9, period_s=0.31, amplitude_m=0.73, upstroke_span_ratio=0.367)
     solution = solve_pair(bird, "force")
-    assert solution.proof.is_closed
     assert solution.proof.v_wall == "y_lower"
+    assert solution.proof.claims == Claims(v_region="proved", v_optimum="open", everywhere="proved")
+    assert not solution.proof.is_closed
     best = solution.v_optimum
     assert best.y_m > bird.semispan_m
     # The bound holds for the wall's point too, which is better: what is left to the V optimum is more than asked.
     assert solution.proof.v_lower_bound < best.cost / (1 + 1e-4)
     assert solution.proof.v_certified_gap == pytest.approx(best.cost / solution.proof.v_lower_bound - 1)
+    assert solution.proof.v_region_certified_gap <= 1e-4 * (1 + 1e-6)
 
 
 @pytest.fixture(scope="module", params=["amplitude", "span"])
@@ -138,6 +141,7 @@ class TestInfeasible:
 
     def test_is_proved(self, stranded):
         proof = stranded.proof
+        assert proof.claims == Claims(v_region="proved", v_optimum="not claimed", everywhere="proved")
         assert proof.is_closed and not proof.feasible
         assert proof.global_lower_bound == proof.v_lower_bound == math.inf
         assert proof.global_certified_gap is None and proof.v_certified_gap is None

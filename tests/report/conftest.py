@@ -36,6 +36,7 @@ IBIS = {
     "active_bounds": "mu_lower",
     "core_edges": "left wingtip down on right tip, wingtips down on stopping",
     "stationarity": 1e-13,
+    "v_region_certified_gap": 1e-4,
     "v_certified_gap": 1e-4,
     "global_certified_gap": 1e-4,
     "certificate_boxes": 100,

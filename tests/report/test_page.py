@@ -5,6 +5,7 @@ import re
 
 import pytest
 from renew_claims import kept
+from upwash.columns import SCHEMA_VERSION
 from upwash.errors import UpwashError
 from upwash.paper.ledger import write_claims
 from upwash.report import figures
@@ -252,7 +253,12 @@ class TestContent:
 
     def test_provenance_is_told(self, page):
         told = page.run('document.getElementById("provenance").textContent')
-        assert "numpy" in told and "version 1" in told and "2 (2 solved)" in told and "1.0 s in all" in told
+        assert (
+            "numpy" in told
+            and f"version {SCHEMA_VERSION}" in told
+            and "2 (2 solved)" in told
+            and "1.0 s in all" in told
+        )
         assert SWEEP.strip() in told
 
     def test_names_from_files_stay_text(self, page):

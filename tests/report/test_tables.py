@@ -153,7 +153,7 @@ class TestProof:
             ({"v_certified_gap": 1e-4 * (1 + 1e-9)}, "proved to 1.0e-4"),
             ({"v_certified_gap": 3e-5}, "proved to 3.0e-5"),
             ({"v_certified_gap": 2e-3}, "open, gap 2.0e-3"),
-            ({"v_certified_gap": 2e-3, "v_wall": "y_lower"}, "beaten on its wall y_lower, by 2.0e-3 at most"),
+            ({"v_certified_gap": 2e-3, "v_wall": "y_lower"}, "open, gap 2.0e-3"),
             ({"v_certified_gap": None}, "not examined"),
             ({"v_certified_gap": 2e-3, "is_global_optimum": True}, "proved to 1.0e-4"),
         ],
@@ -164,8 +164,9 @@ class TestProof:
 
     def test_each_word_that_is_used_is_explained(self, two_optima):
         beaten = both_optima(two_optima.assign(v_certified_gap=2e-3, v_wall="y_lower"))
-        explained = [note.split()[0] for note in beaten.notes[2:]]
-        assert explained == ["proved", "beaten"]
+        explained = [note.split(" ", 1)[0] for note in beaten.notes[2:]]
+        assert explained == ["proved", "open:", "a"]
+        assert "as close to its leader's side as still counts as outboard" in beaten.notes[-1]
         assert [note.split()[0] for note in both_optima(two_optima).notes[2:]] == ["proved"]
 
 
@@ -200,7 +201,7 @@ class TestAnswer:
             ({"v_lower_bound": None}, "which is proved"),
             (
                 {"v_lower_bound": 12.3, "v_wall": "x_lower"},
-                "costs fall towards a wall of that region, x_lower",
+                "a follower in the V does best as close behind its leader as still counts as astern",
             ),
             ({"v_lower_bound": 12.3}, "which is no proof"),
         ],
@@ -210,10 +211,14 @@ class TestAnswer:
         assert said.startswith("There is no V optimum")
         assert words in said
 
-    @pytest.mark.parametrize(("bound", "words"), [(None, "this is proved"), (12.0, "open: none was found")])
+    @pytest.mark.parametrize(
+        ("bound", "words"),
+        [(None, "balances lift and thrust (this is proved)"), (12.0, "open: none was found")],
+    )
     def test_says_plainly_that_no_follower_can_fly(self, two_optima, bound, words):
         error = "no balance: no position within the bounds balances lift and thrust"
         row = two_optima.iloc[:1].assign(status="infeasible", error=error, global_lower_bound=bound)
+        row = row.assign(feasible=False, global_certified_gap=None)
         said = answer(row)
         assert said.startswith("northern-bald-ibis, least force: no optimum: no position within the bounds")
         assert words in said

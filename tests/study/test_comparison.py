@@ -83,7 +83,7 @@ def resampled(rows, count, **changes):
 def without_v(rows):
     """Return rows of which no optimum is in a V."""
     kept = rows[~rows["is_v_optimum"].eq(True)]
-    return kept.assign(v_wall="x_lower,y_lower")
+    return kept.assign(v_wall="x_lower,y_lower", v_certified_gap=None)
 
 
 class TestOneRowAProblem:
@@ -107,7 +107,10 @@ class TestOneRowAProblem:
         swan = rows_of(rows, "mute-swan")
         row = compare(without_v(swan)).iloc[0]
         assert not row["has_v"]
-        assert row["remark"] == "no V optimum; its cheapest V on the wall x_lower,y_lower"
+        assert row["remark"].startswith(
+            "no V optimum; a follower in the V does best as close behind its leader"
+        )
+        assert "as close to its leader's side as still counts as outboard" in row["remark"]
         assert np.isnan(row["x_semispans"]) and np.isnan(row["v_gap"])
         best = swan.sort_values("rank").iloc[0]
         assert row["best_y_semispans"] == best["y_m"] / best["semispan_m"]

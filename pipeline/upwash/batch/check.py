@@ -236,6 +236,17 @@ def bounds(rows: Sequence[Row]) -> Complaints:
 def certificates(rows: Sequence[Row]) -> Complaints:
     """No cost is below its proved bound, and each gap is that between the two."""
     for row in rows:
+        region, own = row["v_region_certified_gap"], row["v_certified_gap"]
+        if own is not None and (
+            region is None
+            or region > own
+            or (region != own and not row["v_wall"])
+            or region < -RECOMPUTED.absolute
+        ):
+            yield (
+                "v_region_certified_gap",
+                f"expected v_certified_gap, {own}, or less if v_wall is named, found {region}",
+            )
         for proof, label in (("v", "is_v_optimum"), ("global", "is_global_optimum")):
             bound, gap = row[f"{proof}_lower_bound"], row[f"{proof}_certified_gap"]
             if bound is None or not row[label]:

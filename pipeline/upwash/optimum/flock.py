@@ -22,6 +22,7 @@ from upwash.optimum.flock_solution import FlockSolution, Member, on_side
 from upwash.optimum.flock_wake import Place, flock_problems
 from upwash.optimum.pair import solve_pair
 from upwash.optimum.pieces import solve_pieces
+from upwash.optimum.proof import wall_in_words
 from upwash.optimum.settings import FlockRules, SearchSettings
 from upwash.optimum.solution import PairSolution
 
@@ -153,7 +154,7 @@ def _why_none(leader: int, solution: PairSolution) -> str:
         )
     expected = f"no V optimum: expected one outboard, level and astern of bird {leader}"
     if proof.v_wall:
-        return f"{expected}, found the best such place on the wall {proof.v_wall}, beyond which it is better"
+        return f"{expected}, found the best such place {wall_in_words(proof.v_wall)}, and better ones beyond"
     if math.isinf(proof.v_lower_bound):
         return f"{expected}, found a proof that lift and thrust balance at no such place"
     return f"{expected}, found none"

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from upwash.aero.bird import Bird
 from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
 from upwash.aero.wake import WakeModel
 from upwash.optimum.flock_wake import Place
+from upwash.optimum.proof import Proof
 from upwash.optimum.settings import FlockRules
-from upwash.optimum.solution import Optimum, Proof
+from upwash.optimum.solution import Optimum
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -105,7 +106,7 @@ class FlockSolution:
             row["leader_amplitude_m"] = ahead.pose.stroke.amplitude_m
             row["leader_upstroke_span_ratio"] = ahead.pose.stroke.span_ratio
         if one.proof is not None:
-            row |= {f.name: getattr(one.proof, f.name) for f in fields(Proof) if f.name != "is_closed"}
+            row |= one.proof.columns()
             row["solve_time_s"] = one.solve_time_s
         if one.place is None:
             return row | {"status": "infeasible", "error": one.error}

@@ -25,15 +25,13 @@ from upwash.optimum.certify import certify
 from upwash.optimum.evidence import ON_BOUND, Evidence, gather_evidence
 from upwash.optimum.local import SCALE
 from upwash.optimum.problem import VARIABLES, PairProblem
+from upwash.optimum.proof import Proof
 from upwash.optimum.search import SAME_BASIN, Basin, Search
 from upwash.optimum.settings import SearchSettings
-from upwash.optimum.solution import V_LABELS, PairSolution, Proof, describe_optimum, labels
+from upwash.optimum.solution import V_LABELS, PairSolution, describe_optimum, labels
 
 MOST_PROOFS = 8
 """Proofs tried in turn when each spends its budget but meets something better than the last one's best."""
-
-ROUNDING = 1e-6
-"""Share of the tolerance by which a proved gap may exceed it."""
 
 STATIONARY = 1e-6
 LEAST_CURVATURE = -1e-6
@@ -42,16 +40,15 @@ LEAST_CURVATURE = -1e-6
 
 @dataclass(frozen=True)
 class _Region:
-    """What a proof says of a region: bound, best point known in it and its piece, boxes, closure."""
+    """What a proof says of a region: bound, best point known in it and its piece, boxes."""
 
     lower_bound: float
     best: Basin | None
     piece: int
     boxes: int
-    is_closed: bool
 
 
-_NOTHING_PROVED = _Region(math.nan, None, 0, 0, True)
+_NOTHING_PROVED = _Region(math.nan, None, 0, 0)
 
 
 def solve_pieces(
@@ -118,19 +115,22 @@ def solve_pieces(
     v_gap = v_best.basin.cost / v_region.lower_bound - 1.0 if v_best else None
     gap = optima[0].basin.cost / whole.lower_bound - 1.0 if optima and proves_all else None
     v_wall = _walls(v_region, v_best, v_bounds, problems)
-    # What is proved of a region's best point is not proved of an optimum that costs more.
-    proved = [gap, None if v_wall else v_gap]
+    # Off the walls the V optimum is the region's best place.
+    region_gap = v_gap
+    if v_region.best and (v_wall or not v_best):
+        region_gap = v_region.best.cost / v_region.lower_bound - 1.0
+    # Where nothing was to be proved of all followers and none was found, no cost is excluded.
+    lower_bound = whole.lower_bound * unit if proves_all else None if optima else 0.0
     proof = Proof(
         v_lower_bound=v_region.lower_bound * unit,
+        v_region_certified_gap=region_gap,
         v_certified_gap=v_gap,
-        global_lower_bound=whole.lower_bound * unit if proves_all else None,
+        global_lower_bound=lower_bound,
         global_certified_gap=gap,
         certificate_boxes=v_region.boxes + whole.boxes,
         v_wall=v_wall,
         feasible=bool(optima),
-        is_closed=v_region.is_closed
-        and whole.is_closed
-        and all(one is None or one <= settings.tolerance * (1.0 + ROUNDING) for one in proved),
+        tolerance=settings.tolerance,
     )
     status = "solved" if optima else "infeasible"
     return PairSolution(status, described, proof, time.perf_counter() - begun)
@@ -206,7 +206,7 @@ def _prove(
             inside = np.all((basin.point >= within[:, 0]) & (basin.point <= within[:, 1]))
             if inside and (best is None or basin.cost < best.cost):
                 best, piece = basin, number
-    boxes, lower_bound, is_closed = 0, math.inf, True
+    boxes, lower_bound = 0, math.inf
     for number, (search, within) in enumerate(zip(searches, bounds, strict=True)):
         for _ in range(MOST_PROOFS):
             certificate = certify(
@@ -225,8 +225,7 @@ def _prove(
             if certificate.is_closed:
                 break
         lower_bound = min(lower_bound, certificate.lower_bound)
-        is_closed = is_closed and certificate.is_closed
-    return _Region(lower_bound, best, piece, boxes, is_closed)
+    return _Region(lower_bound, best, piece, boxes)
 
 
 def _walls(

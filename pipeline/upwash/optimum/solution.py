@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import induced_power_w, parasite_power_w, profile_power_w
 from upwash.optimum.evidence import Evidence, describe_edge
 from upwash.optimum.problem import ASTERN, LEVEL, OUTBOARD, PairProblem
+from upwash.optimum.proof import Proof
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -87,37 +88,6 @@ class Optimum:
 
 
 @dataclass(frozen=True)
-class Proof:
-    """What branch and bound has shown of a job, in the unit of its cost.
-
-    Attributes
-    ----------
-    v_lower_bound, global_lower_bound : float
-        Costs below which no V formation, and no follower at all, can fly; infinite if none can.  The second is None
-        if it was not asked for.
-    v_certified_gap, global_certified_gap : float or None
-        Cost of the best optimum found over the bound, less 1; None if there is no such optimum or no bound.
-    certificate_boxes : int
-        Boxes examined.
-    v_wall : str
-        Walls of the V region on which its best point lies when that is no optimum, comma separated.
-    feasible : bool
-        Whether a balanced follower was found.
-    is_closed : bool
-        Whether both proofs reached the asked tolerance.
-    """
-
-    v_lower_bound: float
-    v_certified_gap: float | None
-    global_lower_bound: float | None
-    global_certified_gap: float | None
-    certificate_boxes: int
-    v_wall: str
-    feasible: bool
-    is_closed: bool
-
-
-@dataclass(frozen=True)
 class PairSolution:
     """All optima of one follower, best first, and the proof.
 
@@ -150,8 +120,7 @@ class PairSolution:
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one dictionary per optimum, by the columns of the results."""
-        shared = {f.name: getattr(self.proof, f.name) for f in fields(Proof) if f.name != "is_closed"}
-        shared["solve_time_s"] = self.solve_time_s
+        shared = self.proof.columns() | {"solve_time_s": self.solve_time_s}
         return [asdict(optimum) | shared for optimum in self.optima]
 
     def frame(self) -> pd.DataFrame:

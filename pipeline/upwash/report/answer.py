@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from upwash import columns as of
+from upwash.optimum.proof import OPEN, PROVED, claims_of, wall_in_words
 from upwash.report.tables import GLOBAL, V, basins, best_optima, both_optima, words_of
 
 OF_THE_JOB = of.names(of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.EFFORT, of.PROOF))
@@ -36,21 +37,19 @@ def answer(rows: pd.DataFrame, show_all: bool = False) -> str:
 
 
 def _nothing_found(row: Any) -> str:
-    """Say that there is no follower, and whether that is proved: its cost has no finite bound then."""
-    proved = (
-        "this is proved" if pd.isna(row["global_lower_bound"]) else "open: none was found, which is no proof"
-    )
+    """Say that there is no follower, and whether that is proved."""
     # An error begins with what kind of thing it is.
     cause = row["error"].partition(": ")[2] or row["error"]
-    return f"no optimum: {cause} ({proved})"
+    proved = {PROVED: " (this is proved)", OPEN: " (open: none was found, which is no proof)"}
+    return f"no optimum: {cause}{proved.get(claims_of(row).everywhere, '')}"
 
 
 def _no_v_optimum(row: Any) -> str:
     """Say that no optimum is outboard, level and astern, and what is known of that region instead."""
-    if pd.isna(row["v_lower_bound"]):
+    if claims_of(row).v_region == PROVED and pd.isna(row["v_lower_bound"]):
         known = "no position of that kind balances lift and thrust, which is proved"
     elif row["v_wall"]:
-        known = f"costs fall towards a wall of that region, {row['v_wall']}, and on beyond it"
+        known = f"a follower in the V does best {wall_in_words(row['v_wall'])}, and better still beyond"
     else:
         known = "none was found, which is no proof"
     return f"There is no {V}, outboard, level and astern: {known}. The {GLOBAL} is the best of all."

@@ -8,9 +8,10 @@ from typing import Any
 import pandas as pd
 
 from upwash import columns as of
+from upwash.optimum.proof import is_proved
 from upwash.optimum.rotation import take_turns
 from upwash.report.table import ABSENT, Table, shown
-from upwash.report.tables import PROVED_BUT_FOR_ROUNDING, words_of
+from upwash.report.tables import words_of
 
 READINGS = {
     "immediate": "amplitude at most that of the bird ahead",
@@ -127,6 +128,4 @@ def _proof(row: Any) -> str:
     gap = row["v_certified_gap"]
     if pd.isna(gap):
         return ABSENT
-    if gap <= row["tolerance"] * PROVED_BUT_FOR_ROUNDING:
-        return "proved"
-    return f"beaten on its wall {row['v_wall']} by {gap:.1e}" if row["v_wall"] else f"open, gap {gap:.1e}"
+    return "proved" if is_proved(gap, row["tolerance"]) else f"open, gap {gap:.1e}"

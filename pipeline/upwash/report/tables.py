@@ -14,19 +14,16 @@ import pandas as pd
 from upwash import columns as of
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.batch.check import RESIDUAL_LIMIT
+from upwash.optimum.proof import is_proved, wall_in_words
 from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1, Row
 from upwash.report.table import Table, cell, shown
 from upwash.study.quantities import with_quantities
 
 V, GLOBAL = "V optimum", "global optimum"
-PROVED_BUT_FOR_ROUNDING = 1.0 + 1e-6
-"""A proof ends at the asked gap itself, which the division of two costs returns with rounding."""
-
-PROVED, BEATEN, OPEN = "proved to", "beaten on its wall", "open"
+PROVED, OPEN = "proved to", "open"
 PROOFS = {
-    PROVED: " e: no V formation, or no position at all, costs less by more than the fraction e",
-    BEATEN: " w: on the wall w of the V region it costs less, and beyond it less still",
-    OPEN: ": the proof ended before it was sure; the gap is what it leaves",
+    PROVED: " e: no other optimum in the V, or no position at all, costs less by more than the fraction e",
+    OPEN: ": that is not proved; another may cost less by up to the gap",
 }
 """What `proof` says, and what that means."""
 
@@ -152,6 +149,11 @@ def both_optima(solutions: pd.DataFrame, in_short: bool = False) -> Table:
     title = f"{first['species']}: follower of {' and of '.join(f'least {words_of(name)}' for name in jobs)}"
     proofs = [str(cells[-1][label]) for label in columns]
     explained = [words + meaning for words, meaning in PROOFS.items() if any(words in one for one in proofs)]
+    # What holds of the V optimum holds of a job, so it is told once.
+    walls = {row["v_wall"]: None for row in columns.values() if row["is_v_optimum"] and row["v_wall"]}
+    explained += [
+        f"a follower in the V does best {wall_in_words(wall)}, and better still beyond" for wall in walls
+    ]
     return Table(title, pd.DataFrame(cells), {"%": ".2f"}, (*leader(first), *explained))
 
 
@@ -209,10 +211,8 @@ def proof(row: Row) -> str:
     gap = row[f"{region}_certified_gap"]
     if pd.isna(gap):
         return "not examined"
-    if gap <= row["tolerance"] * PROVED_BUT_FOR_ROUNDING:
+    if is_proved(gap, row["tolerance"]):
         return f"{PROVED} {power_of_ten(gap)}"
-    if region == "v" and row["v_wall"]:
-        return f"{BEATEN} {row['v_wall']}, by {power_of_ten(gap)} at most"
     return f"{OPEN}, gap {power_of_ten(gap)}"
 
 

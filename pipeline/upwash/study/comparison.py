@@ -9,6 +9,7 @@ from __future__ import annotations
 import pandas as pd
 
 from upwash.columns import INTEGER, SOLVED, TEXT, TRUTH, Column
+from upwash.optimum.proof import OPEN, claims_of, wall_in_words
 from upwash.study.intervals import BIRD, COUNTS, KEYS, ends_of, interval_columns, intervals
 from upwash.study.quantities import ALIKE, GROUPS, QUANTITIES, optima_of_jobs
 
@@ -85,9 +86,11 @@ def _remark(optimum: pd.Series) -> str:
     if not optimum["has_v"]:
         remarks.append("no V optimum")
     if optimum["v_wall"]:
-        cheaper = "the V region is cheapest" if optimum["has_v"] else "its cheapest V"
-        remarks.append(f"{cheaper} on the wall {optimum['v_wall']}")
-    if optimum["global_certified_gap"] > 1.01 * optimum["tolerance"]:
+        remarks.append(f"a follower in the V does best {wall_in_words(optimum['v_wall'])}")
+    claims = claims_of(optimum.to_dict())
+    if claims.v_optimum == OPEN:
+        remarks.append(f"V optimum proved to {optimum['v_certified_gap']:.1%} only")
+    if claims.everywhere == OPEN:
         remarks.append(f"best optimum proved to {optimum['global_certified_gap']:.1%} only")
     return "; ".join(remarks)
 
