@@ -4,12 +4,15 @@ The cases are made of the inputs as they are declared, so that a new input is tr
 """
 
 import math
+from dataclasses import fields
 
 import pytest
-from upwash import Bird, WakeModel, load_species
+from upwash import Bird, WakeModel, load_species, solve_flock, solve_pair
 from upwash.aero.checked import rules_of
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.errors import UpwashError
+from upwash.optimum.settings import FlockRules, SearchSettings
 from upwash.species import AMPLITUDE_CONVENTIONS
 from upwash.species.library import LIBRARY_FOLDER
 from upwash.species.quantity import QUANTITIES
@@ -192,10 +195,66 @@ def test_a_solver_that_is_not_there(tmp_path, solver, words):
     [
         ("[flock]\nbirds = [1000000000]", "at most 1000 ("),
         ("[flock]\nwavelengths = 99999999", "at most 1000 ("),
-        ("[grid]\nspan_nodes = [1000000000]", "at most 10000 ("),
+        ("[grid]\nspan_nodes = [1000000000]", "at most 1000 ("),
         ("[grid]\nstroke_states = [4]", "at most 2 ("),
         ("[grid]\ncore_radius_ratio = { value = 1e9, relative = true }", "0.001 to 1 ("),
     ],
 )
 def test_a_bound_says_why(tmp_path, text, words):
     assert_refused(f'species = "northern-bald-ibis"\nkind = "flock"\n{text}', tmp_path, words)
+
+
+def held_by(kind):
+    """Return the values of each of a class's inputs that its rules refuse."""
+    return [
+        (kind, name, text)
+        for name, rule in rules_of(kind).items()
+        for text, value in NO_INPUT.items()
+        if rule.broken_by(value)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "text"),
+    [case for kind in (Stroke, Pose, WakeModel, SearchSettings, FlockRules) for case in held_by(kind)],
+)
+def test_what_a_call_from_python_takes(kind, name, text):
+    usual = {
+        Stroke: {"amplitude_m": 1.0, "span_ratio": 0.4},
+        Pose: {"x_m": 1.0, "y_m": 1.0, "z_m": 0.0, "stroke": Stroke(1.0, 0.4), "phase": 0.5},
+    }
+    with pytest.raises(ValueError, match=f"^{name}: expected .*, found "):
+        kind(**usual.get(kind, {}) | {name: NO_INPUT[text]})
+
+
+@pytest.mark.parametrize("kind", [Bird, Stroke, WakeModel, SearchSettings, FlockRules])
+def test_no_input_is_without_a_rule(kind):
+    assert set(rules_of(kind)) == {entry.name for entry in fields(kind)}
+
+
+@pytest.mark.parametrize("text", NO_INPUT)
+def test_the_number_of_birds_from_python(text):
+    with pytest.raises(ValueError, match=r"^birds: expected .*, found "):
+        solve_flock(BIRD, NO_INPUT[text])
+
+
+@pytest.mark.parametrize("objective", ["nosuch", "", 1, None, "Force"])
+def test_an_unknown_objective_from_python(objective):
+    for solve in (lambda: solve_flock(BIRD, 2, objective), lambda: solve_pair(BIRD, objective)):
+        with pytest.raises(ValueError, match=r"^objective: expected one of .*, found "):
+            solve()
+
+
+@pytest.mark.parametrize("name", sorted(rules_of(Bird)))
+@pytest.mark.parametrize("value", [1e-9, 1e9])
+def test_whatever_a_bird_may_be_has_finite_forces(name, value):
+    """Whether at the ends of what is let in, or refused there, nothing ends as an error of arithmetic."""
+    inputs = {field: getattr(BIRD, field) for field in rules_of(Bird)} | {name: value}
+    try:
+        bird = Bird(**inputs)
+    except ValueError as error:
+        assert "expected " in str(error)
+        return
+    numbers = [bird.weight_n, bird.drag_n, bird.circulation_m2_s, bird.lift_n(0.4), bird.thrust_n(0.1, 0.4)]
+    assert all(map(math.isfinite, numbers))
+    assert bird.lift_n(bird.upstroke_span_ratio) == pytest.approx(bird.weight_n, rel=1e-12)

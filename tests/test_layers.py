@@ -17,7 +17,7 @@ MAY_IMPORT = {
     "aero": {"kernel"},
     "optimum": {"aero", "columns", "errors", "kernel"},
     "species": {"aero", "columns", "errors", "shipped"},
-    "sweep": {"aero", "columns", "errors", "shipped", "species"},
+    "sweep": {"aero", "columns", "errors", "optimum", "shipped", "species"},
     "batch": {"columns", "errors", "shipped", "sweep"},
     "study": {"aero", "batch", "columns", "errors", "optimum", "species"},
     "paper": {"aero", "batch", "columns", "errors", "optimum", "study"},

@@ -10,11 +10,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from upwash.aero.checked import check_fields, must_be, positive, ratio, within
+from upwash.aero.checked import REACH, check_fields, must_be, ratio
 from upwash.aero.pose import Stroke
-
-REACH = positive & within(1e-9, 1e9, "no bird comes near these ends: look at the unit")
-"""What any quantity of a bird must be, in SI units; beyond, products of inputs lose digits, overflow or vanish."""
 
 _SOME = must_be(REACH)
 _SHARE = must_be(ratio & REACH)

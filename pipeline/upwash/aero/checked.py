@@ -146,7 +146,8 @@ fraction = replace(ratio, words="a number between 0 and 1")
 
 def at_most(most: float, why: str = "") -> Rule:
     """Return the rule that a number is no more than another, and why."""
-    return Rule(f"at most {most:.12g}{_because(why)}", lambda value: value <= most)
+    shown = most if isinstance(most, int) else f"{most:.12g}"
+    return Rule(f"at most {shown}{_because(why)}", lambda value: value <= most)
 
 
 def below(limit: float, why: str = "") -> Rule:
@@ -170,6 +171,10 @@ def whole_from(least: int, most: float = math.inf, why: str = "") -> Rule:
 def within(least: float, most: float, why: str) -> Rule:
     """Return the rule that a number lies between two others, themselves included, and why."""
     return Rule(f"{least:g} to {most:g}{_because(why)}", lambda value: least <= value <= most)
+
+
+REACH = positive & within(1e-9, 1e9, "no bird comes near these ends: look at the unit")
+"""What any quantity of a bird must be, in SI units; beyond, products of inputs lose digits, overflow or vanish."""
 
 
 def one_of(known: Iterable[str]) -> Rule:

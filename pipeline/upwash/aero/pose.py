@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from upwash.aero.checked import check_fields, finite, must_be, positive, ratio
+from upwash.aero.checked import REACH, check_fields, finite, must_be, ratio, within
+
+_PLACE = finite & within(-1e9, 1e9, "no bird is so far away: look at the unit")
 
 
 @dataclass(frozen=True)
@@ -32,8 +34,8 @@ class Stroke:
     upwash.aero.checked.WrongInput: span_ratio: expected a ratio strictly between 0 and 1, found 1.2
     """
 
-    amplitude_m: float = field(metadata=must_be(positive))
-    span_ratio: float = field(metadata=must_be(ratio))
+    amplitude_m: float = field(metadata=must_be(REACH))
+    span_ratio: float = field(metadata=must_be(ratio & REACH))
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -66,11 +68,11 @@ class Pose:
     (3.6, 0.0)
     """
 
-    x_m: float = field(metadata=must_be(finite))
-    y_m: float = field(metadata=must_be(finite))
-    z_m: float = field(metadata=must_be(finite))
+    x_m: float = field(metadata=must_be(_PLACE))
+    y_m: float = field(metadata=must_be(_PLACE))
+    z_m: float = field(metadata=must_be(_PLACE))
     stroke: Stroke
-    phase: float = field(metadata=must_be(finite))
+    phase: float = field(metadata=must_be(_PLACE))
 
     def __post_init__(self) -> None:
         check_fields(self)

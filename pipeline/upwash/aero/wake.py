@@ -27,8 +27,8 @@ CORE_RADIUS_RATIO = 0.171
 _CORE = positive & within(
     1e-3, 1.0, "in semispans: a core is thicker than a line and thinner than a wing is long"
 )
-_FINENESS = whole_from(2, 10_000, "the wake's force has long converged, and more only takes time")
-_LENGTH = whole_from(1, 10_000, "so far back a wake is no longer felt, and more only takes time")
+_FINENESS = whole_from(2, 1000, "the wake's force has long converged, and more only takes time")
+_LENGTH = whole_from(1, 1000, "so far back a wake is no longer felt, and more only takes time")
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import math
 from functools import lru_cache
 
 from upwash.aero.bird import Bird
-from upwash.aero.checked import one_of, whole_from
+from upwash.aero.checked import one_of
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import WakeModel
@@ -23,7 +23,7 @@ from upwash.optimum.flock_wake import Place, flock_problems
 from upwash.optimum.pair import solve_pair
 from upwash.optimum.pieces import solve_pieces
 from upwash.optimum.proof import wall_in_words
-from upwash.optimum.settings import FlockRules, SearchSettings
+from upwash.optimum.settings import BIRDS, FlockRules, SearchSettings
 from upwash.optimum.solution import PairSolution
 
 LINKS_KEPT = 1024
@@ -74,7 +74,7 @@ def solve_flock(
     [0.0, 0.17, 0.18]
     """
     one_of(COST_FUNCTIONS)("objective", objective)
-    whole_from(2)("birds", birds)
+    BIRDS("birds", birds)
     rules, model, search = rules or FlockRules(), model or WakeModel(), search or SearchSettings()
     first = Place(0, Pose(0.0, 0.0, 0.0, bird.stroke, 0.0))
     members = [Member(1, 0, first)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from upwash.aero.checked import check_fields, fraction, must_be, one_of, whole_from
+from upwash.aero.checked import check_fields, fraction, must_be, one_of, whole_from, within
 
 SHAPES = ("echelon", "vee", "alternating")
 """One line to the right; two lines from one leader; one line that turns to the other side at each bird."""
@@ -18,6 +18,10 @@ READINGS = ("immediate", "lone")
 # What Parquet and TOML keep of whole numbers.
 _SEED = whole_from(0, 2**63 - 1, "a file keeps 64 bits")
 _COUNT = whole_from(1, 10**9, "more would not end")
+_GAP = fraction & within(1e-12, 1.0, "costs are rounded to that")
+
+BIRDS = whole_from(2, 1000, "each takes a search of its own, and no line of birds is longer")
+"""What the number of birds in a flock must be."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +52,7 @@ class SearchSettings:
     """
 
     seed: int = field(default=0, metadata=must_be(_SEED))
-    tolerance: float = field(default=1e-4, metadata=must_be(fraction))
+    tolerance: float = field(default=1e-4, metadata=must_be(_GAP))
     starts: int = field(default=120, metadata=must_be(_COUNT))
     most_boxes: int = field(default=2_000_000, metadata=must_be(_COUNT))
 

@@ -63,7 +63,7 @@ def alerstam_speed_m_s(mass_kg: float, wing_area_m2: float) -> float:
 
 
 RULES = {
-    # Against the library's five measured birds this formula is 10 % low to 30 % high.
+    # Against the library's five birds of known frequency this formula is 10 % low to 30 % high.
     "pennycuick-1996": Rule(
         needs=("mass", "wingspan", "wing_area"),
         formula=pennycuick_frequency_hz,

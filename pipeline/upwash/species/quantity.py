@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from upwash.aero.bird import REACH
-from upwash.aero.checked import Rule, at_most, below
+from upwash.aero.checked import REACH, Rule, at_most, below
 from upwash.species.allometry import AS_IBIS
 
 HALF_ANGLE_DEG = REACH & at_most(90.0, "the wingtips meet there")

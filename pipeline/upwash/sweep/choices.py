@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from upwash.aero.checked import Rule, fraction, positive, rules_of, whole_from, within
+from upwash.aero.checked import Rule, positive, rules_of, whole_from
 from upwash.aero.wake import WakeModel
+from upwash.optimum.settings import BIRDS, SearchSettings
 from upwash.species.species import INPUT_RULES
 
-_SEED = whole_from(0, 2**63 - 1, "more than a column of whole numbers holds")
-
 CHOICES: dict[str, Rule] = {
-    "seed": _SEED,
-    "tolerance": fraction & within(1e-12, 1.0, "costs are rounded to that"),
-    "birds": whole_from(2, 1000, "a bird takes a search of its own, and no line of birds is longer"),
-    "wavelengths": whole_from(
-        1, 1000, "each adds its vortices to every force, and nothing is felt of the last"
-    ),
+    **{name: rules_of(SearchSettings)[name] for name in ("seed", "tolerance")},
+    "birds": BIRDS,
+    "wavelengths": rules_of(WakeModel)["wavelengths"],
 }
-"""Inputs that are numbers but no parameters."""
+"""Inputs that are numbers but no parameters; how long wakes are is told of a flock, in its own table."""
 
 PARAMETERS: dict[str, Rule] = {
     **INPUT_RULES,
-    **rules_of(WakeModel),
+    **{name: rule for name, rule in rules_of(WakeModel).items() if name not in CHOICES},
     "stroke_states": whole_from(
         2, 2, "optima are searched and proved with two states; more serve maps of forces"
     ),
