@@ -102,7 +102,7 @@ def test_a_bad_job_among_cheap_ones_fails_alone(bench):
     bench.sweep("unknown_column_when_heavy", 1000)
     bench.run(code=1)
     status = bench.status(code=1)
-    assert (status["solved"], status["failed"], status["causes"]) == (500, 500, {"ValueError": 500})
+    assert (status["solved"], status["failed"], status["causes"]) == (500, 500, {"BrokenContract": 500})
 
 
 def test_kill_9_at_any_step_of_gathering_loses_and_repeats_nothing(bench, undisturbed):

@@ -180,9 +180,12 @@ class TestRowsOfAnyKind:
                 "ZeroDivisionError: a bird too heavy, over two lines (stub_solvers.py, line",
             ),
             ("exiting", "SystemExit: 3"),
-            ("unknown_column", "ValueError: rows: expected columns of the schema, found wingspan_in_feet"),
-            ("wrong_type", "ArrowInvalid"),
-            ("not_there", "UpwashError: expected a function not_there in stub_solvers, found none"),
+            (
+                "unknown_column",
+                "BrokenContract: ValueError: rows: expected columns of the schema, found wingspan_in_feet",
+            ),
+            ("wrong_type", "BrokenContract: ArrowInvalid"),
+            ("not_there", "BrokenContract: expected a function not_there in stub_solvers, found none"),
         ],
     )
     def test_whatever_goes_wrong_is_a_row_with_inputs_seed_and_error(self, job, solver, error):

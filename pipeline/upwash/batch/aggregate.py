@@ -18,14 +18,13 @@ from upwash.batch.mend import verified_index
 from upwash.batch.merging import merged, only, sources_of, without
 from upwash.batch.store import (
     GATHERED,
-    ROWS,
-    SUMMARIES,
     TableWriter,
     merged_provenance,
     replacing,
+    rows_schema,
     sync,
 )
-from upwash.batch.summary import summary_of
+from upwash.batch.summary import summary_of, summary_schema
 from upwash.errors import UpwashError
 
 
@@ -67,7 +66,7 @@ def aggregate(folder: ResultsFolder, tell: Callable[[str], None]) -> Gathered:
 
 
 def _write_tables(folder: ResultsFolder, plan: Plan, ids: list[str]) -> None:
-    schema, named = ROWS[plan.kind], pa.array(plan.jobs, pa.string())
+    schema, named = rows_schema(plan.kind, plan.columns), pa.array(plan.jobs, pa.string())
     current_path, retired_path = folder.path / GATHERED[plan.kind], folder.path / RETIRED
     with ExitStack() as files, ExitStack() as finished:
         sources = sources_of(files, folder, schema, strict=True)
@@ -76,7 +75,7 @@ def _write_tables(folder: ResultsFolder, plan: Plan, ids: list[str]) -> None:
         # What is named again stays among the retired rows, too, so that it is in a file at every moment.
         never_retired = pa.array([job_id for job_id in plan.jobs if job_id not in were_retired], pa.string())
         # Put in place in the reverse order: a row that is retired is there before it is gone here.
-        summaries = _open(finished, folder.path / SUMMARY, SUMMARIES[plan.kind])
+        summaries = _open(finished, folder.path / SUMMARY, summary_schema(schema, plan.kind))
         current = _open(finished, current_path, schema)
         retired = _open(finished, retired_path, schema) if has_retired else None
         for rows in merged(sources, ids):

@@ -96,7 +96,8 @@ def check(folder: ResultsFolder) -> tuple[int, list[Finding]]:
 def _check_gathered(folder: ResultsFolder, path: Path, kind: str, findings: list[Finding]) -> Iterator[str]:
     """Check the gathered rows and, beside them, the summary; give each job's id."""
     summaries = pa.concat_tables(
-        [SUMMARIES[kind].empty_table(), *_pieces(folder.path / SUMMARY, SUMMARIES[kind], findings)]
+        [SUMMARIES[kind].empty_table(), *_pieces(folder.path / SUMMARY, SUMMARIES[kind], findings)],
+        promote_options="default",
     )
     place, last = 0, ""
     for table in _pieces(path, ROWS[kind], findings):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from upwash import columns as of
 from upwash.batch.folder import SUMMARY, ResultsFolder, jobs_in
-from upwash.batch.store import GATHERED, ROWS, SUMMARIES, Damaged, read_table
+from upwash.batch.store import GATHERED, ROWS, SUMMARIES, Damaged, own_fields, read_table
 from upwash.errors import UpwashError
 
 # How a job is to be solved is no part of what is asked.
@@ -111,6 +111,11 @@ def compare(first: pa.Table, second: pa.Table) -> Comparison:
     right = second.take(pa.array([other_places[key] for key in shared], pa.int64()))
     known = of.FLOCK_COLUMNS if "bird" in first.column_names else of.COLUMNS
     compared = [column for column in known if column.name in first.column_names]
+    compared += [
+        of.Column(field.name, "", "", of.FLOAT if field.type == pa.float64() else of.TEXT)
+        for field in own_fields(first.schema)
+        if field.name in second.column_names
+    ]
     differences = [_difference(left, right, column) for column in compared]
     return Comparison(
         len(shared),

@@ -32,6 +32,7 @@ from pathlib import Path
 from secrets import token_hex
 from typing import IO, NamedTuple
 
+from upwash.columns import Column
 from upwash.errors import UpwashError
 
 JOB_ID = re.compile(r"[0-9a-f]{16}")
@@ -41,6 +42,9 @@ LOCK_PATIENCE_S = 1.0
 
 RUN, DONE = "run", "done"
 """How a line of a journal begins: when a run began, or some of its jobs were done."""
+
+OF_OWN = ("name", "unit", "description", "type")
+"""What is said of a column that the sweep's own solver declares."""
 
 PLAN, RETIRED, SUMMARY = "plan.json", "retired.parquet", "summary.parquet"
 GATHERED = {"pair": "solutions.parquet", "flock": "flock.parquet"}
@@ -81,12 +85,15 @@ class Plan:
         Name, ``pair`` or ``flock``, and the file's own text.
     jobs : list of str
         Ids, in the order of the file.
+    columns : tuple of Column
+        Those that the sweep's own solver declares.
     """
 
     sweep: str
     kind: str
     text: str
     jobs: list[str]
+    columns: tuple[Column, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -201,7 +208,9 @@ class ResultsFolder:
         """Store which jobs belong here."""
         from upwash.batch.store import write_atomic
 
-        text = json.dumps({**vars(plan), "jobs": " ".join(plan.jobs)}, indent=0)
+        columns = [[getattr(column, name) for name in OF_OWN] for column in plan.columns]
+        content = {**vars(plan), "jobs": " ".join(plan.jobs), "columns": columns}
+        text = json.dumps(content, indent=0)
         path = self.path / PLAN
         # Shards of one sweep all write it at once, and the same.
         if not path.exists() or path.read_text(encoding="utf-8") != text:
@@ -212,7 +221,8 @@ class ResultsFolder:
         path = self.path / PLAN
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-            return Plan(content["sweep"], content["kind"], content["text"], content["jobs"].split())
+            columns = tuple(Column(*column) for column in content.get("columns", ()))
+            return Plan(content["sweep"], content["kind"], content["text"], content["jobs"].split(), columns)
         except FileNotFoundError:
             return None
         except OSError as error:

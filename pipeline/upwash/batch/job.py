@@ -17,14 +17,18 @@ from typing import Any
 
 from upwash import columns as of
 from upwash.batch import store
+from upwash.errors import UpwashError
 from upwash.sweep.job import BUILT_IN_SOLVER, INPUTS
 from upwash.sweep.job import Job as Job
-from upwash.sweep.solver import own_solver
+from upwash.sweep.solver import BrokenContract, kept_to_contract, make_importable, own_columns, own_solver
 
 Row = dict[str, Any]
 
 # A worker whose parent is gone has nobody to give its results to; it looks this often.
 PARENT_CHECK_S = 0.5
+
+UNFIT = f"{BrokenContract.__name__}: "
+"""How the error begins of a job whose solver returned what cannot be stored."""
 
 MANY = 50
 """So many jobs done in one batch are stored in one file, and not each in its own."""
@@ -44,12 +48,15 @@ class Result:
         What went wrong, or "".
     seconds : float
         Wall time.
+    is_unfit : bool
+        Whether it failed since its solver returned what cannot be stored.
     """
 
     job_id: str
     status: str
     error: str
     seconds: float
+    is_unfit: bool = False
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,7 @@ def run_job(job: Job) -> list[Row]:
 
 def solve(job: Job) -> list[Row]:
     """Solve a job and return its rows: one an optimum, or one a bird of a flock; at least one in any case."""
-    status, error, rows = solver_of(job)(job)
+    status, error, rows = kept_to_contract(solver_of(job)(job))
     rows = [{"status": status, "error": error or None} | row for row in rows or [{}]]
     return [inputs_of(job) | {name: _finite(value) for name, value in row.items()} for row in rows]
 
@@ -104,7 +111,7 @@ def encode(solved: Sequence[tuple[Job, list[Row], float]], sweep_text: str) -> B
 
     Rows that do not fit the schema are a failure of their job.
     """
-    schema, metadata = store.ROWS[solved[0][0].kind], store.provenance(sweep_text)
+    schema, metadata = schema_of(solved[0][0]), store.provenance(sweep_text)
     options = store.JOB_FILE_OPTIONS if len(solved) == 1 else store.TABLE_OPTIONS
     try:
         data = store.encode(_sorted_rows(solved), schema, metadata, options)
@@ -112,6 +119,17 @@ def encode(solved: Sequence[tuple[Job, list[Row], float]], sweep_text: str) -> B
         solved = [(job, _fitting(job, rows, schema), seconds) for job, rows, seconds in solved]
         data = store.encode(_sorted_rows(solved), schema, metadata, options)
     return Bundle([_result(*one) for one in solved], data)
+
+
+def schema_of(job: Job) -> Any:
+    """Return the schema of a job's rows: that of its kind and, of a solver that is not ours, its own columns."""
+    if job.solver == BUILT_IN_SOLVER:
+        return store.ROWS[job.kind]
+    try:
+        return store.rows_schema(job.kind, own_columns(own_solver(job.solver)))
+    except UpwashError:
+        # Then the job has failed, which needs none of them.
+        return store.ROWS[job.kind]
 
 
 def _sorted_rows(solved: Sequence[tuple[Job, list[Row], float]]) -> list[Row]:
@@ -122,17 +140,18 @@ def _fitting(job: Job, rows: list[Row], schema: Any) -> list[Row]:
     try:
         store.table_of(rows, schema)
     except (ValueError, TypeError, OverflowError) as error:
-        return failed_rows(job, describe(error))
+        return failed_rows(job, f"{UNFIT}{describe(error)}")
     return rows
 
 
 def _result(job: Job, rows: list[Row], seconds: float) -> Result:
     worst = max(rows, key=lambda row: of.STATUSES.index(row["status"]))
-    return Result(job.job_id, worst["status"], worst["error"] or "", seconds)
+    error = worst["error"] or ""
+    return Result(job.job_id, worst["status"], error, seconds, error.startswith(UNFIT))
 
 
 def run_batch(
-    jobs: Sequence[Job], sweep_text: str, budget_s: float, parent: int | None
+    jobs: Sequence[Job], sweep_text: str, budget_s: float, parent: int | None, place: str | None = None
 ) -> tuple[list[Bundle], list[Job]]:
     """Run jobs one after another until the time is up, in a worker.
 
@@ -146,6 +165,8 @@ def run_batch(
         Time after which no further job is begun, in s.
     parent : int or None
         Process that this one must not outlive, if it is a child of it.
+    place : str or None
+        Folder in which a solver of the user's own may lie, if not here.
 
     Returns
     -------
@@ -154,6 +175,8 @@ def run_batch(
     """
     if parent is not None:
         _die_with(parent)
+    if place is not None:
+        make_importable(place)
     solved: list[tuple[Job, list[Row], float]] = []
     start = time.perf_counter()
     for job in jobs:
@@ -174,7 +197,10 @@ def solver_of(job: Job) -> Callable[[Job], tuple[str, str, list[Row]]]:
     """
     if job.solver == BUILT_IN_SOLVER:
         return _solve_pair if job.kind == "pair" else _solve_flock
-    return own_solver(job.solver)
+    try:
+        return own_solver(job.solver)
+    except UpwashError as error:
+        raise BrokenContract(str(error)) from error
 
 
 def needs_compiling(job: Job) -> bool:

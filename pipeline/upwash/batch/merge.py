@@ -6,7 +6,7 @@ import os
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import pyarrow as pa
@@ -18,7 +18,15 @@ from upwash.batch.folder import PLAN, Plan, ResultsFolder, Shard
 from upwash.batch.gather import JOBS_PER_GROUP
 from upwash.batch.index import Known, known_of, note
 from upwash.batch.merging import Several, in_order, one_result_a_job, only, sources_of
-from upwash.batch.store import ROWS, Damaged, TableWriter, cannot_write, merged_provenance, sync, temporary
+from upwash.batch.store import (
+    Damaged,
+    TableWriter,
+    cannot_write,
+    merged_provenance,
+    rows_schema,
+    sync,
+    temporary,
+)
 from upwash.errors import UpwashError
 
 SHOWN = 3
@@ -112,7 +120,7 @@ def _one_plan(parts: Sequence[ResultsFolder]) -> Plan:
                 f"{part}: expected {PLAN}, which says of which sweep it is, found none; {remedy}"
             )
         plans.append(plan)
-    first = plans[0]
+    first, columns = plans[0], dict[str, of.Column]()
     for part, plan in zip(parts, plans, strict=True):
         if plan.kind != first.kind:
             raise UpwashError(
@@ -124,12 +132,19 @@ def _one_plan(parts: Sequence[ResultsFolder]) -> Plan:
             found = f"{len(only_here)} that it has not and {len(differing) - len(only_here)} that only it has"
             remedy = "run one sweep file, by one version of Upwash, for all parts"
             raise UpwashError(f"{part}: expected the jobs of {parts[0]}, found {found} ({shown}); {remedy}")
-    return first
+        for column in plan.columns:
+            kept = columns.setdefault(column.name, column)
+            if kept != column:
+                found = f"found it as {column.unit or 'text'}: {column.description}"
+                raise UpwashError(
+                    f"{part}: expected column {column.name!r} as in {parts[0]}, {found}; merge results of one solver"
+                )
+    return replace(first, columns=tuple(columns.values()))
 
 
 def _write(out: ResultsFolder, parts: Sequence[ResultsFolder], plan: Plan) -> Merged:
     """Write the rows of all parts as one, and the plan; return what there is."""
-    schema, known, by_folder = ROWS[plan.kind], dict[str, Known](), dict[str, int]()
+    schema, known, by_folder = rows_schema(plan.kind, plan.columns), dict[str, Known](), dict[str, int]()
     with ExitStack() as files:
         sources = []
         for part in parts:

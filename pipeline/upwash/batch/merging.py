@@ -18,7 +18,7 @@ import pyarrow.compute as pc
 from upwash import columns as of
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.index import table_files
-from upwash.batch.store import Damaged, metadata_of, noticing, open_table, read_table
+from upwash.batch.store import Damaged, conformed, metadata_of, noticing, open_table, read_table
 
 JOBS_PER_PIECE = 1000
 """Jobs in a row group of a gathered table, which is read, checked and, if it is damaged, lost as one."""
@@ -113,6 +113,7 @@ class Table:
 
     def __init__(self, stack: ExitStack, path: Path, schema: pa.Schema) -> None:
         self.path = path
+        self.schema = schema
         self.file = stack.enter_context(open_table(path, schema))
         self.metadata = [metadata_of(self.file.schema_arrow)]
         self.groups = iter(range(self.file.num_row_groups))
@@ -131,7 +132,7 @@ class Table:
                 break
             with noticing(self.path):
                 rows = self.file.read_row_group(number, use_threads=False)
-            parts.append(rows.replace_schema_metadata())
+            parts.append(conformed(rows.replace_schema_metadata(), self.schema))
         rows = pa.concat_tables(parts)
         count = rows.num_rows if bound is None else pc.sum(pc.less(rows.column("job_id"), bound)).as_py() or 0
         self.held = rows.slice(count)
@@ -174,6 +175,6 @@ class JobFiles:
             metadata = metadata_of(table.schema)
             if metadata not in self.metadata:
                 self.metadata.append(metadata)
-            tables.append(table.replace_schema_metadata())
+            tables.append(conformed(table.replace_schema_metadata(), self.schema))
             self.given.append(path)
         return pa.concat_tables(tables)

@@ -12,22 +12,25 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import resource_tracker
 from typing import IO, TYPE_CHECKING, Any, TextIO
 
 from joblib import Parallel, delayed
 
 from upwash import columns as of
-from upwash.batch.folder import Entry, Plan, ResultsFolder, Shard, journal_line
+from upwash.batch.folder import OF_OWN, Entry, Plan, ResultsFolder, Shard, journal_line
 from upwash.batch.gather import Gathering
 from upwash.batch.index import Known, read_index
 from upwash.batch.job import Bundle, encode, failed_rows, needs_compiling, run_batch
 from upwash.batch.mend import verified_index
 from upwash.batch.progress import Progress
 from upwash.batch.selection import in_shard, is_to_run
-from upwash.batch.store import ROWS, sync, write_atomic
+from upwash.batch.store import schema_in, sync, write_atomic
 from upwash.batch.workers import LOKY, stop, workers
+from upwash.errors import UpwashError
+from upwash.sweep.job import BUILT_IN_SOLVER
+from upwash.sweep.solver import own_columns, own_solver
 
 if TYPE_CHECKING:
     from upwash.batch.job import Job
@@ -126,6 +129,7 @@ def run_sweep(
     with ExitStack() as stack:
         stack.enter_context(_stopping_on_signals())
         stack.enter_context(folder.locked(options.shard))
+        plan = with_own_columns(plan, folder, jobs)
         folder.write_plan(plan)
         known = _index(folder, options.shard, lambda line: print(line, file=stream))
         jobs = [job for job in jobs if in_shard(job.job_id, options.shard)]
@@ -138,7 +142,7 @@ def run_sweep(
             if kept:
                 progress.tell(f"{folder}: {kept} of {len(jobs)} jobs are done, {len(to_do)} left to do")
             stack.callback(progress.close)
-            gathering = Gathering(folder, options.shard, ROWS[plan.kind], plan.text)
+            gathering = Gathering(folder, options.shard, schema_in(folder), plan.text)
             run = _Run(folder, gathering, journal, progress, tally, options)
             try:
                 run.all(to_do)
@@ -147,6 +151,28 @@ def run_sweep(
             except KeyboardInterrupt as interrupt:
                 raise Interrupted(tally) from interrupt
     return tally
+
+
+def with_own_columns(plan: Plan, folder: ResultsFolder, jobs: Sequence[Job]) -> Plan:
+    """Return a plan with the columns that the jobs' solver declares, and those that it declared before.
+
+    Raises
+    ------
+    UpwashError
+        If it declares a column otherwise than before.
+    """
+    before = folder.plan()
+    columns = {column.name: column for column in before.columns} if before else {}
+    for solver in {job.solver for job in jobs} - {BUILT_IN_SOLVER}:
+        for column in own_columns(own_solver(solver), solver):
+            kept = columns.setdefault(column.name, column)
+            if [getattr(kept, name) for name in OF_OWN] != [getattr(column, name) for name in OF_OWN]:
+                remedy = "give it another name, or take another folder by --results"
+                raise UpwashError(
+                    f"{folder}: expected column {column.name!r} as it was declared before ({kept.unit}, "
+                    f"{kept.type}: {kept.description}), found it otherwise; {remedy}"
+                )
+    return replace(plan, columns=tuple(columns.values()))
 
 
 class Interrupted(KeyboardInterrupt):
@@ -193,6 +219,7 @@ class _Run:
         # Jobs that were in flight when a worker was killed.
         self.suspects: deque[Job] = deque()
         self.is_alone = False
+        self.is_on_trial = False
         self.is_stopping = False
         # Batches handed out and not come back, by the id of their first job, oldest first.
         self.flying: dict[str, list[Job]] = {}
@@ -204,12 +231,17 @@ class _Run:
         """Run jobs until each has a result."""
         self.queue.extend(jobs)
         is_cold = self.options.backend == LOKY and needs_compiling(jobs[0])
+        self.is_on_trial = jobs[0].solver != BUILT_IN_SOLVER
         with workers(self.options.backend, self.options.scheduler) as killed:
             while self.queue or self.suspects:
                 self.is_alone, self.is_stopping = bool(self.suspects), False
                 try:
                     if self.is_alone:
                         self.alone(self.suspects.popleft())
+                    elif self.is_on_trial:
+                        # A solver that does not keep to its contract would fail in every job.
+                        self.alone(self.queue.popleft())
+                        self.is_on_trial = False
                     elif is_cold:
                         # Workers that begin together would all compile the same.
                         is_cold = False
@@ -251,8 +283,9 @@ class _Run:
         """Hand out a batch: return what a worker is to do with it."""
         self.flying[batch[0].job_id] = batch
         self.handed += len(batch)
-        parent = os.getpid() if self.options.backend == LOKY else None
-        return delayed(run_batch)(batch, self.gathering.sweep_text, BATCH_S, parent)
+        # Workers of dask may be on other machines, and what they find is in a folder of their own.
+        parent, place = (os.getpid(), os.getcwd()) if self.options.backend == LOKY else (None, None)
+        return delayed(run_batch)(batch, self.gathering.sweep_text, BATCH_S, parent, place)
 
     def batches(self) -> Iterator[Any]:
         """Hand out batches; called from joblib's threads, one at a time."""
@@ -281,6 +314,9 @@ class _Run:
     def keep(self, bundle: Bundle) -> None:
         """Store what came of one job, or of several; gather if there are many files now."""
         results = bundle.results
+        if self.is_on_trial and results[0].is_unfit:
+            remedy = "correct the solver; no result was stored"
+            raise UpwashError(f"solver, job {results[0].job_id}: {results[0].error}; {remedy}")
         # A job's own file that a power cut tears is noticed, and if it was cheap it is soon redone.
         if len(results) == 1:
             path, flush = self.folder.job_file(results[0].job_id), results[0].seconds > FLUSH_S

@@ -20,6 +20,7 @@ import pyarrow.parquet as pq
 from upwash import __version__
 from upwash import columns as of
 from upwash.batch.folder import GATHERED as GATHERED
+from upwash.batch.folder import ResultsFolder
 from upwash.errors import UpwashError
 from upwash.shipped import checkout
 
@@ -29,6 +30,10 @@ ARROW_TYPES = {of.FLOAT: pa.float64(), of.INTEGER: pa.int64(), of.TEXT: pa.strin
 # A job has few rows: neither dictionaries nor compression pay in its own file.
 JOB_FILE_OPTIONS = {"use_dictionary": False, "compression": "none", "write_statistics": False}
 TABLE_OPTIONS = {"compression": "zstd", "write_statistics": ["job_id"]}
+
+
+OWN = b"declared_by"
+"""In the metadata of a column that the sweep's own solver declares."""
 
 
 class Damaged(Exception):
@@ -45,6 +50,49 @@ def schema_of(columns: Iterable[of.Column]) -> pa.Schema:
         )
         for column in columns
     )
+
+
+def rows_schema(kind: str, own: Iterable[of.Column] = ()) -> pa.Schema:
+    """Return the schema of the rows of a kind of sweep, with the columns of a solver's own at the end."""
+    return pa.schema([*ROWS[kind], *_marked(own)])
+
+
+def schema_in(folder: ResultsFolder) -> pa.Schema:
+    """Return the schema of the rows in a results folder."""
+    plan = folder.plan()
+    return rows_schema(folder.kind(), plan.columns if plan else ())
+
+
+def own_fields(schema: pa.Schema) -> list[pa.Field]:
+    """Return the columns of a solver's own."""
+    return [field for field in schema if OWN in (field.metadata or {})]
+
+
+def conformed(table: pa.Table, schema: pa.Schema) -> pa.Table:
+    """Return a table with a schema's columns; those of a solver's own that it lacks are null.
+
+    Raises
+    ------
+    UpwashError
+        If it has such a column that the schema lacks.
+    """
+    if table.schema.equals(schema):
+        return table
+    extra = sorted(set(table.column_names) - set(schema.names))
+    if extra:
+        found = f"found {', '.join(extra)} in a file"
+        raise UpwashError(
+            f"expected columns that plan.json names, {found}; run the sweep again, by its solver"
+        )
+    columns = [
+        table.column(field.name) if field.name in table.column_names else pa.nulls(table.num_rows, field.type)
+        for field in schema
+    ]
+    return pa.table(columns, schema=schema)
+
+
+def _marked(columns: Iterable[of.Column]) -> list[pa.Field]:
+    return [field.with_metadata(field.metadata | {OWN: b"solver"}) for field in schema_of(columns)]
 
 
 SOLUTIONS = schema_of(of.SOLUTIONS_COLUMNS)
@@ -257,7 +305,9 @@ def noticing(path: Path) -> Iterator[None]:
 
 
 def open_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pq.ParquetFile:
-    """Open a Parquet file of one of our schemas; reading from it verifies the checksum of every page.
+    """Open a Parquet file of one of our schemas, and maybe a solver's own columns.
+
+    Reading from it verifies the checksum of every page.
 
     Parameters
     ----------
@@ -280,13 +330,17 @@ def open_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pq.P
         file = pq.ParquetFile(source, page_checksum_verification=True)
         found = file.schema_arrow
         written_by = metadata_of(found).get("schema_version")
-        if found.remove_metadata().equals(schema, check_metadata=True):
+        if _without_own(found).equals(_without_own(schema), check_metadata=True):
             return file
     if written_by != str(of.SCHEMA_VERSION):
         expected = f"schema version {of.SCHEMA_VERSION}"
         remedy = "take another results folder, or the version of Upwash that wrote it"
         raise UpwashError(f"{path}: expected {expected}, found {written_by or 'none'}; {remedy}")
     raise Damaged(f"{path}: its columns are not those of schema version {of.SCHEMA_VERSION}")
+
+
+def _without_own(schema: pa.Schema) -> pa.Schema:
+    return pa.schema([field for field in schema if OWN not in (field.metadata or {})])
 
 
 def read_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pa.Table:

@@ -7,7 +7,7 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from upwash import columns as of
-from upwash.batch.store import FLOCK_SUMMARY, SUMMARY
+from upwash.batch.store import FLOCK_SUMMARY, SUMMARY, own_fields
 
 
 def summary_of(rows: pa.Table, kind: str) -> pa.Table:
@@ -26,9 +26,14 @@ def summary_of(rows: pa.Table, kind: str) -> pa.Table:
         In the order of the jobs.
     """
     if not rows.num_rows:
-        return (SUMMARY if kind == "pair" else FLOCK_SUMMARY).empty_table()
+        return summary_schema(rows.schema, kind).empty_table()
     starts = np.flatnonzero(_changes(rows.column("job_id")))
     return _pairs(rows, starts) if kind == "pair" else _flocks(rows, starts)
+
+
+def summary_schema(rows: pa.Schema, kind: str) -> pa.Schema:
+    """Return the schema of the summary of rows: of pairs with the columns of a solver's own."""
+    return pa.schema([*SUMMARY, *own_fields(rows)]) if kind == "pair" else FLOCK_SUMMARY
 
 
 def _pairs(rows: pa.Table, starts: NDArray[np.intp]) -> pa.Table:
@@ -40,7 +45,8 @@ def _pairs(rows: pa.Table, starts: NDArray[np.intp]) -> pa.Table:
     has_v = is_v[chosen]
     summary = rows.take(chosen)
     # What is true of the job stands in the row of one that has no V optimum too.
-    for name in of.names(of.belonging(of.OPTIMUM)):
+    own = [field.name for field in own_fields(rows.schema)]
+    for name in (*of.names(of.belonging(of.OPTIMUM)), *own):
         place = summary.schema.get_field_index(name)
         values = summary.column(place).combine_chunks()
         only_v = pa.compute.if_else(has_v, values, pa.scalar(None, values.type))
@@ -48,7 +54,9 @@ def _pairs(rows: pa.Table, starts: NDArray[np.intp]) -> pa.Table:
     # The best of a job comes first.
     gap = pa.array(cost[chosen] / cost[starts] - 1.0, mask=~has_v)
     found = np.add.reduceat(rows.column("rank").is_valid().to_numpy().astype(np.int64), starts)
-    return _with(summary, SUMMARY, {"v_gap": gap, "optima_found": pa.array(found)})
+    return _with(
+        summary, summary_schema(rows.schema, "pair"), {"v_gap": gap, "optima_found": pa.array(found)}
+    )
 
 
 def _flocks(rows: pa.Table, starts: NDArray[np.intp]) -> pa.Table:

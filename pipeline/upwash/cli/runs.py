@@ -275,6 +275,8 @@ def show(results: str, job: str, as_json: bool) -> None:
     table = [column.name for column in columns if of.OPTIMA in column.listed]
     # What tells the optima apart comes first.
     table.sort(key=lambda name: of.column(name).verified not in (of.CHAIN, of.RANKING))
+    # What a solver of the user's own adds comes last.
+    table += [name for name in rows[0] if name not in of.names(of.COLUMNS)]
     for column in columns:
         name, value = column.name, rows[0][column.name]
         if name not in table and value not in (None, "") and all(row[name] == value for row in rows):
@@ -313,14 +315,14 @@ def rerun(results: str, job: str, as_json: bool) -> None:
     """
     from upwash.batch.compare import compare
     from upwash.batch.folder import ResultsFolder
-    from upwash.batch.job import job_of, run_job
+    from upwash.batch.job import job_of, run_job, schema_of
     from upwash.batch.lookup import rows_of
-    from upwash.batch.store import ROWS, table_of
+    from upwash.batch.store import table_of
 
     stored = rows_of(ResultsFolder(results), job)
     again = job_of(stored[0])
-    schema = ROWS[again.kind]
-    rows = [{name: row[name] for name in schema.names} for row in stored]
+    schema = schema_of(again)
+    rows = [{name: row.get(name) for name in schema.names} for row in stored]
     comparison = compare(table_of(rows, schema), table_of(run_job(again), schema))
     _report([comparison], f"{results}, job {again.job_id}", ("stored", "now"), as_json)
 
