@@ -11,8 +11,8 @@ from upwash.optimum.edges import edge_distance, edge_pull
 from upwash.optimum.evidence import gather_evidence
 from upwash.optimum.local import SCALE
 from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.record import labels
 from upwash.optimum.search import NEAR_BEST, NEIGHBOURHOOD, SAME_BASIN, Basin, Search, merge_basins
-from upwash.optimum.solution import labels
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +54,9 @@ class TestStarts:
         Search(problem).explore_places(25)
         starts = np.concatenate(drawn)
         assert np.all((starts >= problem.bounds[:, 0]) & (starts <= problem.bounds[:, 1]))
-        assert Counter(labels(problem, *start[:3])[::2] for start in starts) == dict.fromkeys(
-            product(("outboard", "inboard"), ("astern", "abreast")), 25
-        )
+        assert Counter(
+            labels(problem.bird, problem.pose(start).position_m)[::2] for start in starts
+        ) == dict.fromkeys(product(("outboard", "inboard"), ("astern", "abreast")), 25)
 
     def test_around_the_best_lie_within_the_bounds_and_around_each_of_them_once(self, search, monkeypatch):
         problem, drawn = search.problem, []

@@ -10,12 +10,12 @@ import pandas as pd
 import pyarrow as pa
 from upwash import columns as of
 from upwash.aero.bird import Bird
-from upwash.aero.interaction import wake_force
 from upwash.aero.pose import Pose, Stroke
-from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+from upwash.aero.wake import WakeModel
 from upwash.batch.folder import Plan, ResultsFolder
 from upwash.batch.store import GATHERED, ROWS, SUMMARIES, TableWriter, provenance, table_of
 from upwash.batch.summary import summary_of
+from upwash.optimum.record import record
 
 IBIS = {
     "mass_kg": 1.3,
@@ -66,42 +66,24 @@ def row_of(species, objective, inputs, place, rank, kind="pair", bird=None):
     x, y, z, amplitude, ratio, phase = place
     pose = Pose(x, y, z, Stroke(amplitude, ratio), phase)
     bird = bird or bird_of(inputs)
-    lift, thrust = bird.lift_n(ratio), bird.thrust_n(amplitude, ratio)
     ahead = Stroke(inputs["leader_amplitude_m"], inputs["leader_upstroke_span_ratio"])
-    wake = wake_force(bird, ahead, pose)
-    powers = induced_power_w(bird, lift), profile_power_w(bird, thrust), parasite_power_w(bird)
-    alone = induced_power_w(bird, bird.weight_n), profile_power_w(bird, bird.drag_n), powers[2]
-    cost = COST_FUNCTIONS[objective]
     labels = (
         f"{species} {objective} {inputs['amplitude_convention']} {inputs['speed_m_s']} {inputs['mass_kg']}"
     )
-    row = {
+    return {
         **inputs,
         "job_id": id_of(labels),
         "species": species,
         "objective": objective,
         "status": of.SOLVED,
         "kind": kind,
-        **dict(zip(("x_m", "y_m", "z_m", "amplitude_m", "upstroke_span_ratio", "phase"), place, strict=True)),
-        "weight_n": bird.weight_n,
-        "drag_n": bird.drag_n,
-        "lift_self_n": lift,
-        "thrust_self_n": thrust,
-        "lift_wake_n": wake[0],
-        "thrust_wake_n": wake[1],
-        "saving_induced": 1.0 - powers[0] / alone[0],
-        "saving_profile": 1.0 - powers[1] / alone[1],
-        "saving_total": 1.0 - sum(powers) / sum(alone),
-        "cost": cost.value(bird, lift, thrust),
-        "cost_leader": cost.value(bird, bird.weight_n, bird.drag_n),
+        **vars(record(bird, objective, ahead, pose, WakeModel())),
+        # The optima are known to a few digits.
         "residual_lift": 0.0,
         "residual_thrust": 0.0,
         "rank": rank,
         "hits": 3,
         "starts": 180,
-        "placement": "outboard" if abs(y) >= bird.semispan_m else "inboard",
-        "tier": "level" if abs(z) <= bird.amplitude_m / 2 else "stacked",
-        "station": "astern" if x >= bird.semispan_m else "abreast",
         "is_v_optimum": rank == 1,
         "is_global_optimum": rank == 0,
         "active_bounds": "mu_lower",
@@ -117,11 +99,6 @@ def row_of(species, objective, inputs, place, rank, kind="pair", bird=None):
         "feasible": True,
         "certificate_boxes": 1000,
     }
-    for prefix, values in (("", powers), ("leader_", alone)):
-        parts = (*values, sum(values))
-        names = ("induced", "profile", "parasite", "total")
-        row |= {f"{prefix}power_{name}_w": value for name, value in zip(names, parts, strict=True)}
-    return row
 
 
 def id_of(text):

@@ -298,7 +298,12 @@ def chain(rows: Sequence[Row]) -> Complaints:
 
 def recomputed(rows: Sequence[Row]) -> Complaints:
     """Forces, powers, savings, costs and labels are what the inputs and the solution make them."""
-    for row, expected in zip(rows, recompute(rows), strict=True):
+    try:
+        follows = recompute(rows)
+    except ValueError as error:
+        yield "", f"expected a pose that a bird can have, found one that it cannot: {error}"
+        return
+    for row, expected in zip(rows, follows, strict=True):
         for name, value in expected.items():
             if isinstance(value, str):
                 if row[name] != value:

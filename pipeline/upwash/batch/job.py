@@ -237,9 +237,8 @@ def _solve_pair(job: Job) -> tuple[str, str, list[Row]]:
     solution = solve_pair(bird, job.objective, model=_model(job), search=_search(job))
     if solution.status == of.SOLVED:
         return of.SOLVED, "", solution.rows()
-    proof = {name: getattr(solution.proof, name) for name in of.names(of.belonging(of.PROOF))}
     error = "no balance: no position within the bounds balances lift and thrust"
-    return solution.status, error, [proof | {"solve_time_s": solution.solve_time_s}]
+    return solution.status, error, [solution.of_the_job()]
 
 
 def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:
@@ -252,14 +251,12 @@ def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:
 def flock_of(job: Job, bird: Any = None) -> Any:
     """Return the flock of a job, a `FlockSolution`; `bird` is the job's own if not given."""
     from upwash.optimum.flock import solve_flock
-    from upwash.optimum.settings import FlockRules
 
-    rules = FlockRules(job.shape or "", job.wake or "", job.reading or "")
     return solve_flock(
         bird or _bird(job),
         job.birds or 0,
         job.objective,
-        rules=rules,
+        rules=_rules(job),
         model=_model(job),
         search=_search(job),
     )
@@ -356,58 +353,19 @@ def bounds_of(row: Row, first: Row) -> dict[str, tuple[float, float]]:
 
 
 def _expected(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> Row:
-    from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
-    from upwash.optimum.problem import ASTERN, LEVEL, OUTBOARD
+    from upwash.optimum.record import record
 
-    lift = bird.lift_n(row["upstroke_span_ratio"])
-    thrust = bird.thrust_n(row["amplitude_m"], row["upstroke_span_ratio"])
-    wake_lift, wake_thrust = _wake_force(bird, job, row, rows)
-    powers = induced_power_w(bird, lift), profile_power_w(bird, thrust), parasite_power_w(bird)
-    alone = induced_power_w(bird, bird.weight_n), profile_power_w(bird, bird.drag_n), parasite_power_w(bird)
-    cost = COST_FUNCTIONS[job.objective]
-    expected: Row = {
-        "weight_n": bird.weight_n,
-        "drag_n": bird.drag_n,
-        "lift_self_n": lift,
-        "thrust_self_n": thrust,
-        "lift_wake_n": wake_lift,
-        "thrust_wake_n": wake_thrust,
-        "residual_lift": (lift + wake_lift) / bird.weight_n - 1.0,
-        "residual_thrust": (thrust + wake_thrust) / bird.drag_n - 1.0,
-        "power_total_w": sum(powers),
-        "leader_power_total_w": sum(alone),
-        "saving_induced": 1.0 - powers[0] / alone[0],
-        "saving_profile": 1.0 - powers[1] / alone[1],
-        "saving_total": 1.0 - sum(powers) / sum(alone),
-        "cost": cost.value(bird, lift, thrust),
-        "cost_leader": cost.value(bird, bird.weight_n, bird.drag_n),
-    }
-    if row["x_m"] is not None:
-        expected |= {
-            "placement": "outboard" if abs(row["y_m"]) >= OUTBOARD * job.semispan_m else "inboard",
-            "tier": "level" if abs(row["z_m"]) <= LEVEL * bird.amplitude_m else "stacked",
-            "station": "astern" if row["x_m"] >= ASTERN * job.semispan_m else "abreast",
-        }
-    for part, own, leaders in zip(("induced", "profile", "parasite"), powers, alone, strict=True):
-        expected |= {f"power_{part}_w": own, f"leader_power_{part}_w": leaders}
-    return expected
-
-
-def _wake_force(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> tuple[float, float]:
-    """Return the lift and thrust that a row's bird has from the wakes that it feels."""
-    from upwash.aero.interaction import wake_force
-
-    lift = thrust = 0.0
-    for stroke, pose in _felt(job, row, rows):
-        force = wake_force(bird, stroke, pose, _model(job))
-        lift, thrust = lift + force[0], thrust + force[1]
-    return lift, thrust
+    ahead = pose = None
+    felt = list(_felt(job, row, rows))
+    if felt:
+        ahead, pose = felt.pop(0)
+    found = vars(record(bird, job.objective, ahead, pose, _model(job), felt))
+    return {name: value for name, value in found.items() if value is not None}
 
 
 def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[Any, Any]]:
-    """Give the stroke of each bird whose wake a row's bird feels, and the pose relative to it."""
+    """Give the stroke of each bird whose wake a row's bird feels, that which it follows first, and the pose to it."""
     from upwash.aero.pose import Pose, Stroke
-    from upwash.optimum.settings import FlockRules
 
     def stroke(one: Row) -> Stroke:
         return Stroke(one["amplitude_m"], one["upstroke_span_ratio"])
@@ -417,11 +375,15 @@ def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[Any, Any]]:
 
     if row.get("bird") == 1:
         return
-    if job.kind == "pair" or job.wake == "neighbour":
-        ahead = Stroke(row["leader_amplitude_m"], row["leader_upstroke_span_ratio"])
-        yield ahead, Pose(row["x_m"], row["y_m"], row["z_m"], stroke(row), row["phase"])
-        return
-    row_of = FlockRules(job.shape or "").row_of
-    for other in rows:
-        if row_of(other["bird"]) < row_of(row["bird"]):
+    ahead = Stroke(row["leader_amplitude_m"], row["leader_upstroke_span_ratio"])
+    yield ahead, Pose(row["x_m"], row["y_m"], row["z_m"], stroke(row), row["phase"])
+    if job.kind == "flock":
+        for number in _rules(job).felt_by(row["bird"])[:-1]:
+            other = rows[number - 1]
             yield stroke(other), in_flock(row).relative_to(in_flock(other))
+
+
+def _rules(job: Job) -> Any:
+    from upwash.optimum.settings import FlockRules
+
+    return FlockRules(job.shape or "", job.wake or "", job.reading or "")

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from upwash.aero.bird import Bird
-from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import WakeModel
 from upwash.optimum.flock_wake import Place
 from upwash.optimum.proof import Proof
+from upwash.optimum.record import Cell, record
 from upwash.optimum.settings import FlockRules
 from upwash.optimum.solution import Optimum
 
@@ -88,7 +89,7 @@ class FlockSolution:
             (abs(value) for one in optima for value in (one.residual_lift, one.residual_thrust)), default=0.0
         )
 
-    def rows(self) -> list[dict[str, Any]]:
+    def rows(self) -> list[dict[str, Cell]]:
         """Return one dictionary per bird, by the columns of the results."""
         return [self._row(one) for one in self.members]
 
@@ -98,21 +99,21 @@ class FlockSolution:
 
         return pd.DataFrame(self.rows())
 
-    def _row(self, one: Member) -> dict[str, Any]:
-        row: dict[str, Any] = {"status": "solved", "error": None, "bird": one.number}
+    def _row(self, one: Member) -> dict[str, Cell]:
+        row: dict[str, Cell] = {"status": "solved", "error": None, "bird": one.number}
         row["leader"] = one.leader or None
         ahead = self.members[one.leader - 1].place if one.leader else one.place
         if ahead is not None:
             row["leader_amplitude_m"] = ahead.pose.stroke.amplitude_m
             row["leader_upstroke_span_ratio"] = ahead.pose.stroke.span_ratio
         if one.proof is not None:
-            row |= one.proof.columns()
-            row["solve_time_s"] = one.solve_time_s
+            row |= one.proof.columns() | {"solve_time_s": one.solve_time_s}
         if one.place is None:
             return row | {"status": "infeasible", "error": one.error}
         row |= {f"{axis}_flock_m": getattr(one.place.pose, f"{axis}_m") for axis in "xyz"}
         row["phase_flock"] = one.place.pose.phase
-        return row | (asdict(one.optimum) if one.optimum else lone_columns(self.bird, self.objective))
+        alone = record(self.bird, self.objective, None, None, self.model)
+        return row | (one.optimum.columns() if one.optimum else vars(alone))
 
 
 def on_side(optimum: Optimum, side: float) -> Optimum:
@@ -122,35 +123,5 @@ def on_side(optimum: Optimum, side: float) -> Optimum:
     exchanged = re.sub(
         "left|right", lambda found: {"left": "right"}.get(found[0], "left"), optimum.core_edges
     )
-    return replace(optimum, y_m=0.0 - optimum.y_m, core_edges=exchanged)
-
-
-def lone_columns(bird: Bird, objective: str) -> dict[str, Any]:
-    """Return what the columns of the results are for a bird that follows none."""
-    powers = (
-        induced_power_w(bird, bird.weight_n),
-        profile_power_w(bird, bird.drag_n),
-        parasite_power_w(bird),
-    )
-    cost = COST_FUNCTIONS[objective].value(bird, bird.weight_n, bird.drag_n)
-    row: dict[str, Any] = {
-        "amplitude_m": bird.amplitude_m,
-        "upstroke_span_ratio": bird.upstroke_span_ratio,
-        "weight_n": bird.weight_n,
-        "drag_n": bird.drag_n,
-        "lift_self_n": bird.lift_n(bird.upstroke_span_ratio),
-        "thrust_self_n": bird.thrust_n(bird.amplitude_m, bird.upstroke_span_ratio),
-        "lift_wake_n": 0.0,
-        "thrust_wake_n": 0.0,
-        "saving_induced": 0.0,
-        "saving_profile": 0.0,
-        "saving_total": 0.0,
-        "cost": cost,
-        "cost_leader": cost,
-    }
-    row["residual_lift"] = row["lift_self_n"] / bird.weight_n - 1.0
-    row["residual_thrust"] = row["thrust_self_n"] / bird.drag_n - 1.0
-    for name, power in zip(("induced", "profile", "parasite"), powers, strict=True):
-        row[f"power_{name}_w"] = row[f"leader_power_{name}_w"] = power
-    row["power_total_w"] = row["leader_power_total_w"] = sum(powers)
-    return row
+    pose = optimum.pose.mirrored()
+    return replace(optimum, pose=pose, y_m=pose.y_m, core_edges=exchanged)

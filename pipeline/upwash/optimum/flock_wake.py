@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
-from upwash.aero.interaction import phase_weights, wake_force
-from upwash.aero.pose import Pose
+from upwash.aero.interaction import phase_weights
+from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
 from upwash.optimum.problem import PairProblem
 
@@ -94,13 +94,10 @@ class FlockProblem(PairProblem):
         shed_by = "leader" if number == len(self.places) - 1 else f"bird of row {self.places[number].row}"
         return f"{stroke} ring ({shed_by} {('up', 'down')[state]})"
 
-    def wake_force_n(self, pose: Pose) -> tuple[float, float]:
-        """Lift and thrust of all wakes on the follower, in N, by the plain statement of the model."""
-        own, lift, thrust = pose.behind(self.places[-1].pose), 0.0, 0.0
-        for one in self.places:
-            force = wake_force(self.bird, one.pose.stroke, own.relative_to(one.pose), self.model)
-            lift, thrust = lift + force[0], thrust + force[1]
-        return lift, thrust
+    def others(self, pose: Pose) -> list[tuple[Stroke, Pose]]:
+        """Of each bird other than the one ahead whose wake is felt, how it flaps, and a pose relative to it."""
+        own = pose.behind(self.places[-1].pose)
+        return [(one.pose.stroke, own.relative_to(one.pose)) for one in self.places[:-1]]
 
 
 def superposed_wake(bird: Bird, places: Sequence[Place], model: WakeModel) -> Wake:

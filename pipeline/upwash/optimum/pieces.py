@@ -26,9 +26,10 @@ from upwash.optimum.evidence import ON_BOUND, Evidence, gather_evidence
 from upwash.optimum.local import SCALE
 from upwash.optimum.problem import VARIABLES, PairProblem
 from upwash.optimum.proof import Proof
+from upwash.optimum.record import V_LABELS, labels
 from upwash.optimum.search import SAME_BASIN, Basin, Search
 from upwash.optimum.settings import SearchSettings
-from upwash.optimum.solution import V_LABELS, PairSolution, describe_optimum, labels
+from upwash.optimum.solution import PairSolution, describe_optimum
 
 MOST_PROOFS = 8
 """Proofs tried in turn when each spends its budget but meets something better than the last one's best."""
@@ -98,7 +99,10 @@ def solve_pieces(
         for search in searches:
             search.explore_around_best()
     optima = _optima(searches)
-    v_best = next((one for one in optima if labels(problem, *one.basin.point[:3]) == V_LABELS), None)
+    v_best = next(
+        (one for one in optima if labels(problem.bird, problem.pose(one.basin.point).position_m) == V_LABELS),
+        None,
+    )
     described = tuple(
         describe_optimum(
             one.search.problem,

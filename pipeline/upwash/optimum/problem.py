@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
-from upwash.aero.interaction import phase_piece, state_circulation_ratio, wake_force
+from upwash.aero.interaction import phase_piece, state_circulation_ratio
 from upwash.aero.lanes import wake_force_jacobian, wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import (
@@ -163,9 +163,9 @@ class PairProblem:
         b = self.bird.semispan_m
         return Pose(x * b, y * b, z * b, Stroke(amplitude * b, ratio), self.phase(coordinate))
 
-    def wake_force_n(self, pose: Pose) -> tuple[float, float]:
-        """Lift and thrust of the wake on a follower, in N, by the plain statement of the model."""
-        return wake_force(self.bird, self.ahead, pose, self.model)
+    def others(self, pose: Pose) -> list[tuple[Stroke, Pose]]:
+        """Of each bird other than the one ahead whose wake is felt, how it flaps, and a pose relative to it."""
+        return []
 
     def _lanes(self) -> NDArray[np.float64]:
         bird, states = self.bird, self.model.stroke_states

@@ -190,7 +190,7 @@ def optima_of_jobs(rows: pd.DataFrame) -> pd.DataFrame:
         optima in a V cost the same to within `ALIKE`) with the least and largest ``saving_total`` among them,
         and of the best optimum found placement, tier, station, position and saving, with the prefix ``best_``.
     """
-    from upwash.optimum.solution import V_LABELS
+    from upwash.optimum.record import V_LABELS
 
     scaled = with_quantities(rows)
     best = scaled.sort_values(["job_id", "rank"]).drop_duplicates("job_id").set_index("job_id")
