@@ -17,11 +17,11 @@ from upwash.report.figures.catalogue import draw
 from upwash.report.figures.drawing import save
 from upwash.report.species_tables import NO_V, OURS, with_interval
 from upwash.report.table import Table
+from upwash.report.words import common_name
 from upwash.study.comparison import OBJECTIVES
 from upwash.study.mechanism import STATEMENTS
 from upwash.study.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
 from upwash.study.quantities import SAVING
-from upwash.study.sources import common_name
 
 PAGE = Path(__file__).parents[1] / "docs" / "comparison.md"
 FIGURE = "species-saving"

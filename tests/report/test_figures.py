@@ -1,5 +1,7 @@
 """Figures, tested on what they draw: the values in their artists, their words and their bytes, not their pixels."""
 
+import re
+
 import matplotlib
 import numpy as np
 import pandas as pd
@@ -23,14 +25,12 @@ from upwash.report.figures import (
     spacing_rule,
     species_groups,
     species_observed,
-    species_position,
-    species_stroke,
     speed_power,
 )
-from upwash.report.figures.catalogue import FIGURES, arguments, save_all
+from upwash.report.figures.catalogue import FIGURES, save_all
 from upwash.report.figures.drawing import tip_height
 from upwash.report.figures.flocks import papers_flocks, series
-from upwash.study import sources
+from upwash.study import rows, sources
 from upwash.study.airspeed import best_speed
 from upwash.study.comparison import compare
 from upwash.study.field import plane_through
@@ -105,22 +105,22 @@ def points(figure, gid):
 
 
 @pytest.fixture(scope="module", params=FIGURES)
-def one(request, everything):
-    """Each figure in turn: its module, the frames that it takes, and the figure."""
-    module = FIGURES[request.param]
-    frames = arguments(module, everything)
-    return module, frames, module.draw(**frames)
+def shown(request, everything):
+    """Each figure in turn, the frames that it takes, and what it draws."""
+    picture = FIGURES[request.param]
+    frames = picture.arguments(everything)
+    return picture, frames, picture.draw(**frames)
 
 
 class TestEveryFigure:
-    def test_says_what_it_shows(self, one):
-        module, frames, _ = one
-        words = module.describe(**frames)
-        assert module.TITLE and module.CAPTION.endswith(".") and words.endswith(".")
+    def test_says_what_it_shows(self, shown):
+        picture, frames, _ = shown
+        words = picture.describe(**frames)
+        assert picture.title and picture.caption.endswith(".") and words.endswith(".")
         assert any(letter.isdigit() for letter in words) and "nan" not in words
 
-    def test_every_panel_has_a_letter_that_the_caption_explains(self, one):
-        module, _, figure = one
+    def test_every_panel_has_a_letter_that_the_caption_explains(self, shown):
+        picture, _, figure = shown
         letters = {
             text.get_text()
             for axes in figure.axes
@@ -128,11 +128,13 @@ class TestEveryFigure:
             if len(text.get_text()) == 1 and text.get_fontweight() == "bold"
         }
         assert letters == set("abcdefghij"[: len(letters)])
-        explained = [name for name in letters if f"({name})" in module.CAPTION]
-        assert not explained or set(explained) == letters
+        found = re.findall(r"\(([a-j](?:, [a-j])*)( and so on)?\)", picture.caption)
+        explained = {name for names, _ in found for name in names.split(", ")}
+        # How many panels there are may depend on what was studied.
+        assert explained == letters or explained < letters and any(rest for _, rest in found)
 
-    def test_axes_are_named_or_their_ticks_are_words(self, one):
-        _, _, figure = one
+    def test_axes_are_named_or_their_ticks_are_words(self, shown):
+        _, _, figure = shown
         for axes in figure.axes:
             spec = axes.get_subplotspec()
             if not axes.axison or spec is None:
@@ -144,8 +146,8 @@ class TestEveryFigure:
                 words = [tick.get_text() for tick in ticks if any(map(str.isalpha, tick.get_text()))]
                 assert label or words or not is_outer
 
-    def test_nothing_is_cut_off(self, one):
-        _, _, figure = one
+    def test_nothing_is_cut_off(self, shown):
+        _, _, figure = shown
         width, height = figure.get_size_inches()
         drawn_at = figure.dpi
         for resolution in (drawn_at, 600):
@@ -155,8 +157,8 @@ class TestEveryFigure:
             assert box.x0 > -0.01 and box.y0 > -0.01
             assert box.x1 < width + 0.01 and box.y1 < height + 0.01
 
-    def test_titles_of_panels_do_not_overlap(self, one):
-        _, _, figure = one
+    def test_titles_of_panels_do_not_overlap(self, shown):
+        _, _, figure = shown
         renderer = FigureCanvasAgg(figure).get_renderer()
         titles = [axes.title if axes.title.get_text() else axes._left_title for axes in figure.axes]
         boxes = [title.get_window_extent(renderer) for title in titles if title.get_text().strip()]
@@ -170,7 +172,7 @@ class TestBytes:
         """Return a function that draws and writes a figure anew and gives its bytes in each format."""
 
         def written():
-            drawn_anew = FIGURES["spacing-rule"].draw(**arguments(FIGURES["spacing-rule"], everything))
+            drawn_anew = FIGURES["spacing-rule"].draw(**FIGURES["spacing-rule"].arguments(everything))
             return [path.read_bytes() for path in save_all(drawn_anew, tmp_path / "figure")]
 
         return written
@@ -181,7 +183,7 @@ class TestBytes:
             assert contents() == first
 
     def test_ticks_do_not_depend_on_who_saves_it(self, everything):
-        by_hand = FIGURES["force-maps"].draw(**arguments(FIGURES["force-maps"], everything))
+        by_hand = FIGURES["force-maps"].draw(**FIGURES["force-maps"].arguments(everything))
         found = []
         for size in (3, 30):
             with matplotlib.rc_context({"xtick.labelsize": size, "ytick.labelsize": size}):
@@ -304,7 +306,7 @@ class TestForceMaps:
         assert np.array(extents) == pytest.approx(np.array([(0, 1.5, 0, 3), (0, 1.5, -1, 1), (0, 1.5, 0, 1)]))
 
     def test_a_single_plane_has_two_panels(self, pair):
-        row = sources.best(pair, "power")
+        row = rows.best(pair, "power")
         figure = force_maps.draw_plane(plane_through(row, "xz", 21), row)
         assert sum(bool(axes.images) for axes in figure.axes) == 2
         assert line(figure, "optimum xz")[0] == pytest.approx([POWER["x"] / WAVELENGTH, POWER["z"] / H])
@@ -398,28 +400,28 @@ class TestFlock:
 
 class TestSpecies:
     def test_lines_go_from_the_lightest_up(self, species):
-        figure = species_position.draw(species)
+        figure = FIGURES["species-position"].draw(species)
         names = [label.get_text() for label in figure.axes[0].get_yticklabels()]
         assert names == ["Dunlin", "Northern bald ibis", "Mute swan"]
 
     def test_marks_are_the_values_compared(self, species):
-        figure, found = species_position.draw(species), compare(species)
+        figure, found = FIGURES["species-position"].draw(species), compare(species)
         rows = found[(found["objective"] == "power") & (found["amplitude_convention"] == "stroke-angle")]
         shown = line(figure, "y_semispans power stroke-angle")
         assert sorted(shown[:, 0]) == pytest.approx(sorted(rows["y_semispans"]))
         assert np.round(shown[np.argsort(shown[:, 1])][:, 1]).tolist() == [0, 1, 2]
 
     def test_what_cannot_fly_has_no_mark(self, species):
-        shown = line(species_position.draw(species), "x_wavelengths force strouhal")
+        shown = line(FIGURES["species-position"].draw(species), "x_wavelengths force strouhal")
         assert np.isnan(shown[:, 0]).sum() == 1
 
     def test_intervals_are_drawn_from_samples(self, species):
         samples = pd.concat([species.assign(job_id=species["job_id"] + str(n)) for n in range(9)])
-        figure = species_position.draw(species, samples)
+        figure = FIGURES["species-position"].draw(species, samples)
         assert sum(len(one.get_segments()) for one in figure.axes[0].collections) >= 3
 
     def test_changes_of_the_stroke_are_set_against_each_other(self, species):
-        found = line(species_stroke.draw(species), "both force stroke-angle")
+        found = line(FIGURES["species-stroke"].draw(species), "both force stroke-angle")
         assert found[:, 1] == pytest.approx([1 - FORCE["h"] / H] * 3)
         assert found[:, 0] == pytest.approx([1 - FORCE["r"] / 0.4] * 3)
 

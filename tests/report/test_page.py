@@ -11,7 +11,8 @@ from upwash.paper.ledger import write_claims
 from upwash.report import figures
 from upwash.report.page import sort_key, subscripts, table_context, write_page
 from upwash.report.story import CHAPTERS
-from upwash.report.table import Table, true_minus
+from upwash.report.table import Table
+from upwash.report.words import true_minus
 
 from report import studies
 from report.browser import Browser, find_browser

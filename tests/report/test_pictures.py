@@ -13,7 +13,7 @@ from upwash.cli import main, pictures
 from upwash.report import animation
 from upwash.report.animation import Scene, half_span, own_phases, tip_track
 from upwash.study.field import field_table, plane_through
-from upwash.study.sources import best, bird_of, pose_of
+from upwash.study.rows import best, bird_of, pose_of
 
 from report import studies
 

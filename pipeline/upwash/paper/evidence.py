@@ -16,13 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.field_map import PLANES, force_map
-from upwash.aero.interaction import state_forces
 from upwash.aero.wake import WakeModel
 from upwash.errors import UpwashError
 from upwash.optimum.problem import STREAMWISE_REACH
 from upwash.paper.printed import Row
 from upwash.study.quantities import with_quantities
-from upwash.study.sources import bird_of, pose_of, read_study
+from upwash.study.rows import bird_of, pose_of, state_forces_of
+from upwash.study.sources import read_study
 
 PAPER_BIRD = Bird(
     mass_kg=1.3,
@@ -150,10 +150,7 @@ class Evidence:
     @cached_property
     def forces(self) -> dict[str, NDArray[np.float64]]:
         """Wake-induced lift and thrust at the V optimum in each pair of stroke states, (2, 2, 2) in N."""
-        return {
-            objective: state_forces(self.bird, self.bird.stroke, pose_of(self.v(objective)))
-            for objective in OBJECTIVES
-        }
+        return {objective: state_forces_of(self.v(objective)) for objective in OBJECTIVES}
 
     def wake_over(
         self, objective: str, plane: str, x_m: ArrayLike, across: ArrayLike, **place: float

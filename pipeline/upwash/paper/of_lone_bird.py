@@ -15,7 +15,7 @@ from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 from upwash.paper.claim import Cases, Claim, at_most, near
 from upwash.paper.evidence import OBJECTIVES, Evidence
-from upwash.study.sources import pose_of
+from upwash.study.rows import pose_of
 
 # Another pair of R and Γ_up/Γ_down with the same product.
 OTHER_RATIO = 0.5

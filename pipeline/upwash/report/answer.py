@@ -9,7 +9,8 @@ import pandas as pd
 
 from upwash import columns as of
 from upwash.optimum.proof import OPEN, PROVED, claims_of, wall_in_words
-from upwash.report.tables import GLOBAL, V, basins, best_optima, both_optima, words_of
+from upwash.report.tables import GLOBAL, V, basins, best_optima, both_optima
+from upwash.report.words import least
 
 OF_THE_JOB = of.names(of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.EFFORT, of.PROOF))
 OF_AN_OPTIMUM = of.names(of.belonging(of.JOB, of.OPTIMUM))
@@ -27,7 +28,7 @@ def answer(rows: pd.DataFrame, show_all: bool = False) -> str:
     """
     first = rows.iloc[0]
     if first["status"] != of.SOLVED:
-        return f"{first['species']}, least {words_of(first['objective'])}: {_nothing_found(first)}"
+        return f"{first['species']}, {least(first['objective'])}: {_nothing_found(first)}"
     parts = [both_optima(rows).text()]
     if V not in best_optima(rows):
         parts.append(_no_v_optimum(first))

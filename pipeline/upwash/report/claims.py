@@ -8,7 +8,8 @@ import pandas as pd
 
 from upwash.paper.claim import FAILS, HOLDS, HOLDS_WITH_CONDITION, NOT_RUN
 from upwash.paper.ledger import NUMBER, tally
-from upwash.report.table import Table, true_minus
+from upwash.report.table import Table
+from upwash.report.words import true_minus
 
 LIMIT = ".5g"
 

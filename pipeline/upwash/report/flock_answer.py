@@ -11,7 +11,8 @@ from upwash import columns as of
 from upwash.optimum.proof import is_proved
 from upwash.optimum.rotation import take_turns
 from upwash.report.table import ABSENT, Table, shown
-from upwash.report.tables import words_of
+from upwash.report.table import ABSENT, Table, shown
+from upwash.report.words import least
 
 READINGS = {
     "immediate": "amplitude at most that of the bird ahead",
@@ -79,7 +80,7 @@ def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
     for _, row in (rows if chain is None else chain).iterrows():
         if row["status"] != of.SOLVED:
             notes.append(f"bird {row['bird']}: {row['error']}")
-    words = f"{first['species']}, {first['shape']}, least {words_of(first['objective'])}"
+    words = f"{first['species']}, {first['shape']}, {least(first['objective'])}"
     wavelengths = f"{first['wavelengths']} wavelength{'s' if first['wavelengths'] > 1 else ''}"
     title = f"{words}; {WAKES[first['wake']]}, {wavelengths}; {READINGS[first['reading']]}"
     return Table(title, pd.DataFrame(columns), formats, tuple(notes))

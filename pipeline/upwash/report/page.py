@@ -23,9 +23,10 @@ from upwash.batch.folder import ResultsFolder
 from upwash.batch.store import write_atomic
 from upwash.paper.ledger import FILE
 from upwash.report.claims import counts, ledger_shown
-from upwash.report.figures.catalogue import FIGURES, FOLDER, arguments, draw_figures
+from upwash.report.figures.catalogue import FIGURES, FOLDER, draw_figures
 from upwash.report.story import CHAPTERS, Chapter, short_answer
-from upwash.report.table import Table, true_minus
+from upwash.report.table import Table
+from upwash.report.words import true_minus
 from upwash.study.sources import Sources, Study, read_study, sort_studies
 
 PAGE = "index.html"
@@ -133,7 +134,7 @@ def _title(study: Study) -> tuple[str, str]:
 def _chapter(chapter: Chapter, folder: Path, sources: Sources, command: str) -> dict[str, Any]:
     figures = []
     for name in chapter.figures:
-        frames = arguments(FIGURES[name], sources)
+        frames = FIGURES[name].arguments(sources)
         if frames is not None:
             figures.append(_figure(name, frames, folder, sources))
     tables = [
@@ -152,18 +153,18 @@ def _chapter(chapter: Chapter, folder: Path, sources: Sources, command: str) -> 
 
 
 def _figure(name: str, frames: dict[str, Any], folder: Path, sources: Sources) -> dict[str, Any]:
-    module = FIGURES[name]
+    picture = FIGURES[name]
     svg = (folder / FOLDER / f"{name}.svg").read_bytes()
     # The size in points stands in the first tag.
     width, height = (
         float(one) * 4.0 / 3.0 for one in re.findall(rb'(?:width|height)="([\d.]+)pt"', svg[:2000])[:2]
     )
-    origin = sources.folders[module.NEEDS[0]]
+    origin = sources.folders[picture.needs[0]]
     return {
         "name": name,
-        "title": module.TITLE,
-        "caption": module.CAPTION,
-        "words": module.describe(**frames),
+        "title": picture.title,
+        "caption": picture.caption,
+        "words": picture.describe(**frames),
         "data": "data:image/svg+xml;base64," + base64.b64encode(svg).decode(),
         "width": round(width),
         "height": round(height),

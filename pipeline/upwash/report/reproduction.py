@@ -16,8 +16,8 @@ from upwash.report.tables import (
     printed_variously,
     proof,
     table_1,
-    words_of,
 )
+from upwash.report.words import least
 
 
 def reproduction(solutions: pd.DataFrame) -> str:
@@ -60,7 +60,7 @@ def _verdict(solutions: pd.DataFrame) -> list[str]:
             f"{claim} It is not: Table 1 is the V optimum,",
             "the best that is outboard, level and astern; within the paper's own bounds another costs less:",
         ]
-    return [*lines, *(f"  least {words_of(objective)}: {_best(best)}" for objective, best in found.items())]
+    return [*lines, *(f"  {least(objective)}: {_best(best)}" for objective, best in found.items())]
 
 
 def _best(found: dict[str, Row]) -> str:

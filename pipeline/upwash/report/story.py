@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import pandas as pd
 
 from upwash.report import species_tables
-from upwash.report.figures.drawing import OBJECTIVE_LABELS, percent
 from upwash.report.figures.flocks import papers_flocks, series
 from upwash.report.table import Table
 from upwash.report.tables import (
@@ -21,11 +20,13 @@ from upwash.report.tables import (
     printed_variously,
     table_1,
 )
+from upwash.report.words import common_name, least, percent
 from upwash.species.library import REFERENCE
 from upwash.study.comparison import compare, compare_objectives
 from upwash.study.mechanism import count_species, mechanism
 from upwash.study.observations import compare_with_observations
-from upwash.study.sources import Sources, best, common_name, objectives_of
+from upwash.study.rows import best, objectives_of
+from upwash.study.sources import Sources
 
 
 @dataclass(frozen=True)
@@ -97,7 +98,7 @@ def _flock_tables(sources: Sources) -> list[Table]:
             }
         )
         formats = dict.fromkeys(frame.columns[1:], ".3f") | {"saving %": ".1f"}
-        title = f"Flock of {OBJECTIVE_LABELS[objective]}, reading of the amplitude bound: {reading}"
+        title = f"Flock of {least(objective)}, reading of the amplitude bound: {reading}"
         tables.append(Table(title, frame, formats))
     return tables
 
@@ -221,7 +222,7 @@ def short_answer(sources: Sources) -> list[str]:
         row = best(pair, objective)
         level = "below" if row["z_m"] < 0.0 else "above"
         sentence = (
-            f"For {OBJECTIVE_LABELS[objective]} a {name} should fly {row['x_m']:.2f} m behind, "
+            f"For {least(objective)} a {name} should fly {row['x_m']:.2f} m behind, "
             f"{abs(row['y_m']):.2f} m aside and {abs(row['z_m']):.2f} m {level} the bird ahead, lagging it by "
             f"{row['phase']:.2f} wingbeats. It then flaps "
             f"{percent(1.0 - row['amplitude_m'] / row['leader_amplitude_m'])} less far "

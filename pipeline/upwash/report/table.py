@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Integral, Real
@@ -130,11 +129,6 @@ def cell(value: Any, spec: str = "") -> str:
         value = 0.0
     # "#" keeps the zeros that count, and a point after a whole number.
     return format(value, spec or NUMBER).rstrip(".")
-
-
-def true_minus(text: str) -> str:
-    """Return a text with a true minus before its negative numbers."""
-    return re.sub(r"(?<![\w.])-(?=\d)", "−", text)
 
 
 def _plain(value: Any) -> Any:

@@ -17,6 +17,7 @@ from upwash.batch.check import RESIDUAL_LIMIT
 from upwash.optimum.proof import is_proved, wall_in_words
 from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1, Row
 from upwash.report.table import Table, cell, shown
+from upwash.report.words import least, power_of_ten, words_of
 from upwash.study.quantities import with_quantities
 
 V, GLOBAL = "V optimum", "global optimum"
@@ -146,7 +147,7 @@ def both_optima(solutions: pd.DataFrame, in_short: bool = False) -> Table:
         for words, unit, value in (*described, *standing)
     ]
     first = next(iter(columns.values()))
-    title = f"{first['species']}: follower of {' and of '.join(f'least {words_of(name)}' for name in jobs)}"
+    title = f"{first['species']}: follower of {' and of '.join(least(name) for name in jobs)}"
     proofs = [str(cells[-1][label]) for label in columns]
     explained = [words + meaning for words, meaning in PROOFS.items() if any(words in one for one in proofs)]
     # What holds of the V optimum holds of a job, so it is told once.
@@ -161,11 +162,6 @@ def by_objective(solutions: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """Return the rows of each objective that has any, in the order in which cost functions are named."""
     parts = {name: solutions[solutions["objective"] == name] for name in COST_FUNCTIONS}
     return {name: rows for name, rows in parts.items() if len(rows)}
-
-
-def words_of(objective: str) -> str:
-    """Return the name of a cost function as words."""
-    return objective.replace("_", " ")
 
 
 def leader(row: Row) -> tuple[str, str]:
@@ -214,12 +210,6 @@ def proof(row: Row) -> str:
     if is_proved(gap, row["tolerance"]):
         return f"{PROVED} {power_of_ten(gap)}"
     return f"{OPEN}, gap {power_of_ten(gap)}"
-
-
-def power_of_ten(value: float) -> str:
-    """Write a small number as 1.0e-4."""
-    mantissa, _, exponent = f"{value:.1e}".partition("e")
-    return f"{mantissa}e{int(exponent)}"
 
 
 def basins(rows: pd.DataFrame) -> Table:

@@ -16,7 +16,7 @@ from upwash.aero.field_map import COORDINATES, PLANES, ForceMap, force_map
 from upwash.batch.store import TABLE_OPTIONS, provenance, replacing, schema_of
 from upwash.columns import Column
 from upwash.optimum.problem import STREAMWISE_REACH
-from upwash.study.sources import bird_of, pose_of
+from upwash.study.rows import bird_of, pose_of
 
 SPANWISE = 3.0
 """Reach of a map to the side, in semispans."""

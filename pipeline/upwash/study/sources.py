@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from upwash import columns as of
-from upwash.aero.bird import Bird
-from upwash.aero.pose import Pose, Stroke
-from upwash.aero.power import COST_FUNCTIONS
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.store import GATHERED, ROWS, Damaged, metadata_of, read_table
 from upwash.errors import UpwashError
@@ -208,43 +203,3 @@ def varied_inputs(rows: pd.DataFrame, pair: pd.DataFrame) -> dict[str, pd.DataFr
         if alone[name].nunique() >= LEAST_VALUES:
             found[name] = alone
     return found
-
-
-def bird_of(row: pd.Series) -> Bird:
-    """Return the bird of a row: the lone leader, which sets weight, drag and circulation."""
-    return Bird(
-        mass_kg=row["mass_kg"],
-        semispan_m=row["semispan_m"],
-        speed_m_s=row["speed_m_s"],
-        period_s=row["period_s"],
-        density_kg_m3=row["density_kg_m3"],
-        gravity_m_s2=row["gravity_m_s2"],
-        amplitude_m=row["leader_amplitude_m"],
-        upstroke_span_ratio=row["leader_upstroke_span_ratio"],
-        circulation_ratio=row["circulation_ratio"],
-    )
-
-
-def pose_of(row: pd.Series | Mapping[str, Any]) -> Pose:
-    """Return where and how the follower of a row flies, relative to the bird ahead."""
-    stroke = Stroke(row["amplitude_m"], row["upstroke_span_ratio"])
-    return Pose(row["x_m"], row["y_m"], row["z_m"], stroke, row["phase"])
-
-
-def objectives_of(rows: pd.DataFrame) -> list[str]:
-    """Return the objectives that rows were solved for, in the order in which figures show them."""
-    return [name for name in COST_FUNCTIONS if (rows["objective"] == name).any()]
-
-
-def best(rows: pd.DataFrame, objective: str) -> pd.Series:
-    """Return the optimum to show of a problem: the V optimum, or where there is none the global one."""
-    of_it = rows[rows["objective"] == objective]
-    in_v = of_it[of_it["is_v_optimum"].fillna(False).astype(bool)]
-    return (in_v if len(in_v) else of_it.sort_values("rank")).iloc[0]
-
-
-@cache
-def common_name(species: str) -> str:
-    """Return a species' name for people: the library's, or the name of its file with blanks."""
-    path = LIBRARY_FOLDER / f"{species}.toml"
-    return load_species(path).common_name if path.exists() else species.replace("-", " ").capitalize()

@@ -1,8 +1,6 @@
 """All figures in the order of the story, and drawing them from results folders.
 
-A figure's module has ``NAME``, ``TITLE``, ``CAPTION``, ``NEEDS`` (the frames of `Sources` that its ``draw``
-takes), perhaps ``MAY_TAKE`` (frames that it takes if they are there), ``draw``, and ``describe``: the same in
-words.
+The name of a figure stands once, with its `Picture`, in the module that draws it.
 """
 
 from __future__ import annotations
@@ -10,8 +8,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from types import ModuleType
-from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -28,40 +24,35 @@ from upwash.report.figures import (
     optimal_position,
     parameter_saving,
     spacing_rule,
-    species_gap,
     species_groups,
     species_observed,
-    species_position,
-    species_saving,
-    species_stroke,
+    species_rows,
     speed_power,
 )
 from upwash.report.figures.drawing import METADATA, save
+from upwash.report.figures.picture import Picture
 from upwash.study.sources import Sources, read_study, sort_studies
 
-FIGURES: dict[str, ModuleType] = {
-    module.NAME: module
-    for module in (
-        lone_wake,
-        configurations,
-        optimal_position,
-        force_maps,
-        spacing_rule,
-        optima_map,
-        flock_formation,
-        flock_view,
-        flock_saving,
-        species_position,
-        species_saving,
-        species_stroke,
-        species_gap,
-        species_groups,
-        species_observed,
-        speed_power,
-        parameter_saving,
+FIGURES: dict[str, Picture] = {
+    picture.name: picture
+    for picture in (
+        lone_wake.PICTURE,
+        configurations.PICTURE,
+        optimal_position.PICTURE,
+        force_maps.PICTURE,
+        spacing_rule.PICTURE,
+        optima_map.PICTURE,
+        flock_formation.PICTURE,
+        flock_view.PICTURE,
+        flock_saving.PICTURE,
+        *species_rows.PICTURES,
+        species_groups.PICTURE,
+        species_observed.PICTURE,
+        speed_power.PICTURE,
+        parameter_saving.PICTURE,
     )
 }
-"""Name -> module, in the order of the story."""
+"""Name -> figure, in the order of the story."""
 
 FOLDER = "figures"
 """Folder for the figures, in a results folder."""
@@ -76,14 +67,6 @@ def read_sources(*results: str | os.PathLike[str]) -> Sources:
         If one of them is no gathered results folder.
     """
     return sort_studies(read_study(Path(one)) for one in results)
-
-
-def arguments(figure: ModuleType, sources: Sources) -> dict[str, Any] | None:
-    """Return the frames that a figure takes, or None if one that it needs is not there."""
-    needed = {name: getattr(sources, name) for name in figure.NEEDS}
-    if any(frame is None for frame in needed.values()):
-        return None
-    return needed | {name: getattr(sources, name) for name in getattr(figure, "MAY_TAKE", ())}
 
 
 def draw(name: str, *results: str | os.PathLike[str]) -> Figure:
@@ -104,9 +87,9 @@ def draw(name: str, *results: str | os.PathLike[str]) -> Figure:
     if name not in FIGURES:
         raise UpwashError(f"figure: expected one of {', '.join(FIGURES)}, found {name!r}; choose one")
     figure = FIGURES[name]
-    frames = arguments(figure, read_sources(*results))
+    frames = figure.arguments(read_sources(*results))
     if frames is None:
-        needed, folders = " and ".join(figure.NEEDS), ", ".join(map(str, results))
+        needed, folders = " and ".join(figure.needs), ", ".join(map(str, results))
         raise UpwashError(
             f"figure {name}: expected a study to draw it from ({needed}), found none in {folders}; name "
             "another folder"
@@ -145,9 +128,9 @@ def draw_figures(sources: Sources, folder: Path) -> list[Path]:
         raise cannot_write(folder, error) from error
     written = []
     for figure in FIGURES.values():
-        frames = arguments(figure, sources)
+        frames = figure.arguments(sources)
         if frames is not None:
-            written += save_all(figure.draw(**frames), folder / figure.NAME)
+            written += save_all(figure.draw(**frames), folder / figure.name)
     return written
 
 

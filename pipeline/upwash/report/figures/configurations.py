@@ -6,33 +6,31 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from upwash.aero.interaction import phase_weights, state_forces
+from upwash.aero.interaction import phase_weights
 from upwash.aero.wake import stroke_height, stroke_span, vortex_wake
 from upwash.report.figures.drawing import (
     DOWNSTROKE,
     LEADER,
-    OBJECTIVE_LABELS,
     PAGE_WIDTH_IN,
     UPSTROKE,
+    dot,
+    entry,
+    legend_below,
     letter,
-    percent,
-    signed,
     styled,
 )
 from upwash.report.figures.perspective import View, draw_directions
-from upwash.study.sources import best, bird_of, objectives_of, pose_of
+from upwash.report.figures.picture import Picture
+from upwash.report.words import least, percent, signed
+from upwash.study.rows import best, bird_of, objectives_of, state_forces_of
 
-NAME = "configurations"
-TITLE = "The four pairs of stroke states"
-NEEDS = ("pair",)
 CAPTION = (
-    "While the leader (black, at the origin) is up, the rectangle of its upstroke (blue, dashed) is the "
-    "nearer one; while it is down, that of its downstroke (green, solid). Each rectangle is a closed loop "
+    "While the leader (black, at the origin) is up (a, b), the rectangle of its upstroke (blue, dashed) is the "
+    "nearer one; while it is down (c, d), that of its downstroke (green, solid). Each rectangle is a closed loop "
     "of filaments of circulation Γ whose sense the small arrows show; signs are relative to +x and +y. The "
-    "follower (orange line) is a lifting line between its wingtips, raised and narrow when up, lowered and "
-    "wide when down, shown at the optimum. Red: the force that the wake exerts on it, an arrow to one scale "
+    "follower (orange line) is a lifting line between its wingtips, raised and narrow when up (a, c), "
+    "lowered and wide when down (b, d), shown at the optimum. Red: the force that the wake exerts on it, an arrow to one scale "
     "in all four, left out where it would be shorter than its head. β: the share of the wingbeat for which "
     "the pair of states lasts."
 )
@@ -47,7 +45,7 @@ SHORTEST_FORCE = 0.2
 def describe(pair: pd.DataFrame) -> str:
     """Say in words what the figure shows."""
     row = _row(pair)
-    forces = _forces(row)
+    forces = state_forces_of(row)
     weights = phase_weights(row["phase"])
     parts = [
         f"leader {STATES[j]}, follower {STATES[k]}: lift {signed(forces[j, k, 0])} N, thrust "
@@ -65,26 +63,11 @@ def _row(pair: pd.DataFrame) -> pd.Series:
     return best(pair, objectives_of(pair)[0])
 
 
-def _forces(row: pd.Series) -> np.ndarray:
-    return state_forces(bird_of(row), bird_of(row).stroke, pose_of(row))
-
-
 @styled
 def draw(pair: pd.DataFrame) -> Figure:
-    """Draw leader, wake and follower in each pair of stroke states.
-
-    Parameters
-    ----------
-    pair : DataFrame
-        Optima of one bird; the first objective's best one is shown.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw leader, wake and follower in each pair of stroke states."""
     row = _row(pair)
-    forces, weights = _forces(row), phase_weights(row["phase"])
+    forces, weights = state_forces_of(row), phase_weights(row["phase"])
     figure = Figure(figsize=(PAGE_WIDTH_IN, 4.6), layout="constrained")
     panels = figure.subplots(2, 2, sharex=True, sharey=True)
     scale = LONGEST_FORCE * row["semispan_m"] / np.linalg.norm(forces, axis=-1).max()
@@ -110,23 +93,13 @@ def draw(pair: pd.DataFrame) -> Figure:
         panels[0, 0], VIEW, (row["speed_m_s"] * row["period_s"] * 0.75, -1.5 * b, -0.6 * b), 0.4 * b
     )
     entries = [
-        Line2D([], [], color=LEADER, linewidth=2.5, label="leader"),
-        Line2D([], [], color=UPSTROKE, linestyle="--", linewidth=1.8, label="upstroke's ring"),
-        Line2D([], [], color=DOWNSTROKE, linewidth=1.8, label="downstroke's ring"),
-        Line2D(
-            [], [], color=FOLLOWER, linewidth=3.0, label=f"follower, {OBJECTIVE_LABELS[row['objective']]}"
-        ),
-        Line2D(
-            [],
-            [],
-            color=FORCE,
-            marker=r"$\uparrow$",
-            markersize=9,
-            linestyle="none",
-            label="force of the wake",
-        ),
+        entry("leader", color=LEADER, linewidth=2.5),
+        entry("upstroke's ring", color=UPSTROKE, linestyle="--", linewidth=1.8),
+        entry("downstroke's ring", color=DOWNSTROKE, linewidth=1.8),
+        entry(f"follower, {least(row['objective'])}", color=FOLLOWER, linewidth=3.0),
+        dot("force of the wake", color=FORCE, marker=r"$\uparrow$", markersize=9),
     ]
-    figure.legend(handles=entries, loc="outside lower center", ncols=5)
+    legend_below(figure, entries, 5)
     return figure
 
 
@@ -197,3 +170,6 @@ def _draw_follower(axes: Axes, row: pd.Series, state: int, arrow: np.ndarray) ->
         zorder=5,
     )
     axes.update_datalim([head])
+
+
+PICTURE = Picture("configurations", "The four pairs of stroke states", CAPTION, describe, draw)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,13 @@ from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.ticker import FuncFormatter
 
+from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import stroke_height
+from upwash.report.words import least
 
 STYLE = Path(__file__).parents[1] / "style.mplstyle"
 PAGE_WIDTH_IN = 7.0
@@ -29,18 +33,14 @@ TITLE_PAD_PT, TICK_LABEL_PT = 5.0, 7.0
 LEADER = "#000000"
 DOWNSTROKE, UPSTROKE = "#009E73", "#56B4E9"
 OBSERVED = "#CC79A7"
-LIFT, THRUST = "#0072B2", "#D55E00"
 FAINT = "#8a8a8a"
-OBJECTIVES: dict[str, dict[str, Any]] = {
-    "force": {"color": "#D55E00", "marker": "o", "linestyle": "-"},
-    "power": {"color": "#0072B2", "marker": "s", "linestyle": "--"},
-    "cost_of_transport": {"color": "#E69F00", "marker": "^", "linestyle": ":"},
-}
-OBJECTIVE_LABELS = {
-    "force": "least force",
-    "power": "least power",
-    "cost_of_transport": "least cost of transport",
-}
+LOOKS: tuple[dict[str, Any], ...] = (
+    {"color": "#D55E00", "marker": "o", "linestyle": "-"},
+    {"color": "#0072B2", "marker": "s", "linestyle": "--"},
+    {"color": "#E69F00", "marker": "^", "linestyle": ":"},
+)
+OBJECTIVES = dict(zip(COST_FUNCTIONS, cycle(LOOKS), strict=False))
+"""Cost function -> how its lines and marks look."""
 
 # Without dates and versions of the writer the same figure is the same bytes.
 METADATA: dict[str, dict[str, None]] = {
@@ -96,17 +96,7 @@ def save(figure: Figure, path: Path, ending: str = "") -> None:
 def mark(objective: str, **changes: Any) -> dict[str, Any]:
     """Return how the points of an objective look: colour, marker and label."""
     look = OBJECTIVES[objective] | {"linestyle": "none"}
-    return look | {"label": OBJECTIVE_LABELS[objective]} | changes
-
-
-def signed(value: float, digits: int = 3) -> str:
-    """Return a number with its sign, a true minus, and so many decimals."""
-    return f"{value:+.{digits}f}".replace("-", "−")
-
-
-def percent(value: float, digits: int = 0) -> str:
-    """Return a fraction as a percentage with a true minus and so many decimals."""
-    return f"{100.0 * value:.{digits}f} %".replace("-", "−")
+    return look | {"label": least(objective)} | changes
 
 
 def in_percent(axis: Axis) -> None:
@@ -126,6 +116,22 @@ def letter(axes: Axes, name: str, title: str) -> None:
         fontweight="bold",
         annotation_clip=False,
     )
+
+
+def entry(label: str, **look: Any) -> Line2D:
+    """Return a line for a legend."""
+    return Line2D([], [], label=label, **look)
+
+
+def dot(label: str, **look: Any) -> Line2D:
+    """Return a mark for a legend."""
+    return entry(label, **{"linestyle": "none", **look})
+
+
+def legend_below(figure: Figure, shown: Axes | Sequence[Line2D], columns: int) -> None:
+    """Explain below a figure what is named in a panel, or some lines and marks."""
+    handles = shown.get_legend_handles_labels()[0] if isinstance(shown, Axes) else shown
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
 def draw_bird(

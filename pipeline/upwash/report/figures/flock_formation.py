@@ -7,12 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from upwash.report.figures.drawing import FAINT, OBJECTIVE_LABELS, PAGE_WIDTH_IN, letter, styled
+from upwash.report.figures.drawing import FAINT, PAGE_WIDTH_IN, letter, styled
 from upwash.report.figures.flocks import READINGS, look_of, papers_flocks, series
+from upwash.report.figures.picture import Picture
+from upwash.report.words import least
 
-NAME = "flock-formation"
-TITLE = "A flock, bird by bird"
-NEEDS = ("flock",)
 CAPTION = (
     "A chain of birds, each at the V optimum of the wake of the bird ahead: positions from (a) above and "
     "(b) the side, (c) upstroke span ratio and (d) amplitude over the first bird's, (e) induced and (f) "
@@ -34,7 +33,7 @@ def describe(flock: pd.DataFrame) -> str:
     for objective, reading, birds in series(papers_flocks(flock)):
         steps = birds["y_flock_m"].diff().abs().dropna()
         parts.append(
-            f"{OBJECTIVE_LABELS[objective]}, {READINGS[reading]['words']}: {len(birds)} birds, "
+            f"{least(objective)}, {READINGS[reading]['words']}: {len(birds)} birds, "
             f"{steps.min():.2f} to {steps.max():.2f} m apart to the side, profile power of the second "
             f"{birds['profile_ratio'].iloc[1]:.2f} and of the last {birds['profile_ratio'].iloc[-1]:.2f} of "
             "the leader's"
@@ -44,18 +43,7 @@ def describe(flock: pd.DataFrame) -> str:
 
 @styled
 def draw(flock: pd.DataFrame) -> Figure:
-    """Draw the six panels of a flock.
-
-    Parameters
-    ----------
-    flock : DataFrame
-        Flocks, one row a bird; those most like the paper's are drawn.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw the six panels of a flock."""
     figure = Figure(figsize=(PAGE_WIDTH_IN, 6.0), layout="constrained")
     panels = figure.subplots(3, 2)
     for objective, reading, birds in series(papers_flocks(flock)):
@@ -80,3 +68,6 @@ def _label(axes: Axes, symbol: str) -> None:
     axes.axhline(1.0, color=FAINT, linewidth=0.6)
     axes.set(xlabel="bird, 1 the first", ylabel=symbol)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+
+
+PICTURE = Picture("flock-formation", "A flock, bird by bird", CAPTION, describe, draw)

@@ -8,20 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from upwash.report.figures.drawing import (
-    FAINT,
-    OBJECTIVE_LABELS,
-    PAGE_WIDTH_IN,
-    in_percent,
-    letter,
-    percent,
-    styled,
-)
+from upwash.report.figures.drawing import FAINT, PAGE_WIDTH_IN, in_percent, legend_below, letter, styled
 from upwash.report.figures.flocks import READINGS, look_of, papers_flocks, series
+from upwash.report.figures.picture import Picture
+from upwash.report.words import least, percent
 
-NAME = "flock-saving"
-TITLE = "What flying in a flock is worth"
-NEEDS = ("flock",)
 CAPTION = (
     "(a) Total power that each bird saves. (b) The mean over a flock of each size, that is what every bird "
     "saves when all take equal turns in each place; a bird's saving depends on the birds ahead alone, so a "
@@ -55,7 +46,7 @@ def describe(flock: pd.DataFrame) -> str:
     for objective, reading, birds in series(papers_flocks(flock)):
         last = means(birds).iloc[-1]
         parts.append(
-            f"{OBJECTIVE_LABELS[objective]}, {READINGS[reading]['words']}: "
+            f"{least(objective)}, {READINGS[reading]['words']}: "
             f"{percent(birds['saving_total'].iloc[1], 1)} for the second bird, "
             f"{percent(birds['saving_total'].iloc[-1], 1)} for the last, "
             f"{percent(last['saving'], 1)} in the mean over {last['size']:.0f} birds, which is "
@@ -66,18 +57,7 @@ def describe(flock: pd.DataFrame) -> str:
 
 @styled
 def draw(flock: pd.DataFrame) -> Figure:
-    """Draw savings by place, and means by size.
-
-    Parameters
-    ----------
-    flock : DataFrame
-        Flocks, one row a bird; those most like the paper's are drawn.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw savings by place, and means by size."""
     figure = Figure(figsize=(PAGE_WIDTH_IN, 2.9), layout="constrained")
     by_place, by_size, gained = figure.subplots(1, 3)
     for objective, reading, birds in series(papers_flocks(flock)):
@@ -93,8 +73,7 @@ def draw(flock: pd.DataFrame) -> Figure:
         (by_place, by_size, gained), "abc", ("By place", "By size", "Range"), strict=True
     ):
         letter(axes, name, title)
-    handles, labels = by_place.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    legend_below(figure, by_place, 2)
     return figure
 
 
@@ -104,3 +83,6 @@ def _label(axes: Axes, across: str, up: str) -> None:
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     in_percent(axes.yaxis)
+
+
+PICTURE = Picture("flock-saving", "What flying in a flock is worth", CAPTION, describe, draw)

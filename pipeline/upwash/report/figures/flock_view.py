@@ -8,26 +8,26 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from upwash.aero.wake import ROLL_UP, stroke_span
 from upwash.report.figures.drawing import (
     DOWNSTROKE,
     LEADER,
-    OBJECTIVE_LABELS,
     OBJECTIVES,
     PAGE_WIDTH_IN,
     UPSTROKE,
+    dot,
     draw_bird,
+    entry,
+    legend_below,
     letter,
     styled,
     tip_height,
 )
 from upwash.report.figures.flocks import papers_flocks, series
+from upwash.report.figures.picture import Picture
+from upwash.report.words import least
 
-NAME = "flock-view"
-TITLE = "The flock and its wakes"
-NEEDS = ("flock",)
 CAPTION = (
     "The flock of least force (or of the first cost that was solved) at the moment when the first bird ends "
     "its upstroke. (a) From above, to scale: the wings of each bird as they are at that moment, and one "
@@ -43,7 +43,7 @@ def describe(flock: pd.DataFrame) -> str:
     objective, _, birds = next(series(papers_flocks(flock)))
     phases = ", ".join(f"{phase:.2f}" for phase in birds["phase_flock"])
     return (
-        f"{len(birds)} birds of least {objective.replace('_', ' ')}, one behind and beside the other, with "
+        f"{len(birds)} birds of {least(objective)}, one behind and beside the other, with "
         f"their wakes. Their phases against the first bird are {phases} wingbeats; the paths of their "
         "wingtips run along one another."
     )
@@ -51,18 +51,7 @@ def describe(flock: pd.DataFrame) -> str:
 
 @styled
 def draw(flock: pd.DataFrame) -> Figure:
-    """Draw a flock from above and from the side.
-
-    Parameters
-    ----------
-    flock : DataFrame
-        Flocks, one row a bird; the first of those most like the paper's is drawn.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw a flock from above and from the side."""
     objective, _, birds = next(series(papers_flocks(flock)))
     figure = Figure(figsize=(PAGE_WIDTH_IN, 6.0), layout="constrained")
     above, side = figure.subplots(2, 1, height_ratios=(1.6, 1.0), sharex=True)
@@ -75,19 +64,12 @@ def draw(flock: pd.DataFrame) -> Figure:
     letter(above, "a", "From above, to scale")
     letter(side, "b", "From the side, with the paths of the wingtips")
     entries = [
-        Line2D([], [], color=LEADER, marker="o", linestyle="none", label="first bird"),
-        Line2D(
-            [],
-            [],
-            color=OBJECTIVES[objective]["color"],
-            marker="o",
-            linestyle="none",
-            label=f"followers, {OBJECTIVE_LABELS[objective]}",
-        ),
-        Line2D([], [], color=DOWNSTROKE, label="downstroke's vortices"),
-        Line2D([], [], color=UPSTROKE, linestyle="--", label="upstroke's vortices"),
+        dot("first bird", color=LEADER, marker="o"),
+        dot(f"followers, {least(objective)}", color=OBJECTIVES[objective]["color"], marker="o"),
+        entry("downstroke's vortices", color=DOWNSTROKE),
+        entry("upstroke's vortices", color=UPSTROKE, linestyle="--"),
     ]
-    figure.legend(handles=entries, loc="outside lower center", ncols=4)
+    legend_below(figure, entries, 4)
     return figure
 
 
@@ -148,3 +130,6 @@ def _draw_side(axes: Axes, bird: pd.Series, color: str) -> None:
     axes.plot([x, x], [height - amplitude / 2, height + amplitude / 2], color=color, linewidth=0.8, alpha=0.5)
     axes.plot(x, height, "o", color=color)
     axes.annotate(f"{bird['bird']:.0f}", (x, height), (6, 0), textcoords="offset points", va="center")
+
+
+PICTURE = Picture("flock-view", "The flock and its wakes", CAPTION, describe, draw)

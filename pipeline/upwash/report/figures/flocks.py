@@ -7,9 +7,10 @@ from typing import Any
 
 import pandas as pd
 
-from upwash.report.figures.drawing import OBJECTIVE_LABELS, OBJECTIVES
+from upwash.report.figures.drawing import OBJECTIVES
+from upwash.report.words import least
 from upwash.species.library import REFERENCE
-from upwash.study.sources import objectives_of
+from upwash.study.rows import objectives_of
 
 PAPERS_BIRDS = 6
 """Birds of the paper's flock."""
@@ -78,5 +79,5 @@ def look_of(objective: str, reading: str) -> dict[str, Any]:
         "markerfacecolor": style["color"] if how["filled"] else "none",
         "markersize": 4.5 if how["filled"] else 7.5,
         "linewidth": 1.0,
-        "label": f"{OBJECTIVE_LABELS[objective]}, {how['words']}",
+        "label": f"{least(objective)}, {how['words']}",
     }

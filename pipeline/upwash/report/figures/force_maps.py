@@ -10,16 +10,16 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from upwash.aero.field_map import PLANES, ForceMap
-from upwash.report.figures.drawing import OBJECTIVE_LABELS, PAGE_WIDTH_IN, letter, mark, styled
+from upwash.report.figures.drawing import PAGE_WIDTH_IN, letter, mark, styled
+from upwash.report.figures.picture import Picture
+from upwash.report.words import least
 from upwash.study.field import plane_through, ratios
-from upwash.study.sources import best, objectives_of
+from upwash.study.rows import best, objectives_of
 
-NAME = "force-maps"
-TITLE = "The force on a follower, place by place"
-NEEDS = ("pair",)
 CAPTION = (
-    "The follower's own force and the wake's together, in three planes through the optimum: vertical force "
-    "over weight (left) and thrust over drag (right). All that is not on the axes is as at the optimum "
+    "The follower's own force and the wake's together, in three planes through the optimum, from above (a, b), "
+    "from the side (c, d) and by phase (e, f): vertical force over weight (left) and thrust over drag (right). "
+    "All that is not on the axes is as at the optimum "
     "(orange dot). Black line: the force is exactly what is needed, 1; it is reached in few places, and at "
     "the optimum in both columns at once. Brighter: more than needed. Darker: the bird would sink or slow "
     "down. The leader (black diamond) is at the origin; in the last row it has phase 0. Colours end at the "
@@ -46,20 +46,7 @@ def describe(pair: pd.DataFrame) -> str:
 
 @styled
 def draw(pair: pd.DataFrame, size: int = 300) -> Figure:
-    """Draw the six force maps.
-
-    Parameters
-    ----------
-    pair : DataFrame
-        Optima of one bird; the first objective's best one is where the planes cross.
-    size : int
-        Points along each side of a map.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw the six force maps."""
     row = best(pair, objectives_of(pair)[0])
     return _draw_maps(row, [plane_through(row, plane, size) for plane in PLANES])
 
@@ -121,5 +108,8 @@ def _draw_map(axes: Axes, row: pd.Series, found: ForceMap, values: np.ndarray, n
         0.0, 0.0, "D", color="black", markeredgecolor="white", markersize=5, clip_on=False, label="leader"
     )
     look = mark(row["objective"], color="#E69F00", markeredgecolor="black", markersize=5, clip_on=False)
-    look["label"] = f"follower, {OBJECTIVE_LABELS[row['objective']]}"
+    look["label"] = f"follower, {least(row['objective'])}"
     axes.plot(row["x_m"] / (row["speed_m_s"] * row["period_s"]), place, gid=f"optimum {found.plane}", **look)
+
+
+PICTURE = Picture("force-maps", "The force on a follower, place by place", CAPTION, describe, draw)

@@ -22,11 +22,10 @@ from upwash.report.figures.drawing import (
     tip_height,
 )
 from upwash.report.figures.perspective import View, draw_directions
-from upwash.study.sources import bird_of, common_name
+from upwash.report.figures.picture import Picture
+from upwash.report.words import common_name
+from upwash.study.rows import bird_of
 
-NAME = "lone-wake"
-TITLE = "The wake of a lone bird"
-NEEDS = ("pair",)
 CAPTION = (
     "(a) The vortices that the wingtips of a bird leave behind, at the end of an upstroke: far apart and "
     "curved after a downstroke (green, solid), straight and close after an upstroke (blue, dashed), where "
@@ -71,18 +70,7 @@ def describe(pair: pd.DataFrame) -> str:
 
 @styled
 def draw(pair: pd.DataFrame) -> Figure:
-    """Draw the lone bird's wake.
-
-    Parameters
-    ----------
-    pair : DataFrame
-        Optima of one bird; only its inputs are used.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw the lone bird's wake."""
     bird = bird_of(pair.iloc[0])
     figure = Figure(figsize=(PAGE_WIDTH_IN, 4.1), layout="constrained")
     grid = figure.add_gridspec(2, 2, height_ratios=(1.15, 1.0))
@@ -209,3 +197,6 @@ def _draw_plan(axes: Axes, bird: Bird) -> None:
         ylabel="y, to the right (m)",
     )
     letter(axes, "c", "From above")
+
+
+PICTURE = Picture("lone-wake", "The wake of a lone bird", CAPTION, describe, draw)

@@ -10,25 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from upwash.optimum.problem import ASTERN, LEVEL, OUTBOARD
-from upwash.report.figures.drawing import (
-    FAINT,
-    LEADER,
-    OBJECTIVE_LABELS,
-    PAGE_WIDTH_IN,
-    letter,
-    percent,
-    styled,
-)
-from upwash.study.sources import common_name, objectives_of
+from upwash.report.figures.drawing import FAINT, LEADER, PAGE_WIDTH_IN, dot, legend_below, letter, styled
+from upwash.report.figures.picture import Picture
+from upwash.report.words import common_name, least, percent
+from upwash.study.rows import objectives_of
 
-NAME = "optima-map"
-TITLE = "All the optima, and what each costs"
-NEEDS = ("pair",)
 CAPTION = (
-    "Every local optimum found under the paper's bounds, for each cost (columns), from above and from the "
+    "Every local optimum found under the paper's bounds, for each cost (a and so on), from above and from the "
     "side. Colour: its cost over the leader's, dark the cheapest. Circles fly in antiphase (κ = ½), "
     "triangles in phase (κ = 0), squares between. Ring: the best of those outboard, level and astern, the V "
     "optimum that the paper reports. Cross: the best of all. Grey lines bound what counts as outboard, "
@@ -51,7 +41,7 @@ def describe(pair: pd.DataFrame) -> str:
         best = rows.iloc[0]
         gap = f"{percent(in_v['cost'].iloc[0] / best['cost'] - 1.0, 2)} above it" if len(in_v) else "missing"
         parts.append(
-            f"{OBJECTIVE_LABELS[objective]}: {len(rows)} optima; the best is {best['placement']}, "
+            f"{least(objective)}: {len(rows)} optima; the best is {best['placement']}, "
             f"{best['tier']} and {best['station']} at {best['x_m']:.2f} m behind and {best['y_m']:.2f} m "
             f"aside, the V optimum is {gap}"
         )
@@ -60,18 +50,7 @@ def describe(pair: pd.DataFrame) -> str:
 
 @styled
 def draw(pair: pd.DataFrame) -> Figure:
-    """Draw the map of all optima.
-
-    Parameters
-    ----------
-    pair : DataFrame
-        All optima of one bird, for one or more objectives.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw the map of all optima."""
     objectives = objectives_of(pair)
     figure = Figure(figsize=(PAGE_WIDTH_IN, 4.9), layout="constrained")
     panels = figure.subplots(2, len(objectives), squeeze=False, sharex=True, sharey="row")
@@ -92,7 +71,7 @@ def draw(pair: pd.DataFrame) -> Figure:
         letter(
             above,
             "ab"[column] if len(objectives) == 2 else "abc"[column],
-            OBJECTIVE_LABELS[objective].capitalize(),
+            least(objective).capitalize(),
         )
         side.set_xlabel("x/λ, downstream")
         figure.colorbar(
@@ -152,38 +131,14 @@ def _markers(rows: pd.DataFrame) -> np.ndarray:
 
 
 def _legend(figure: Figure, markers: np.ndarray) -> None:
-    dot: dict[str, Any] = {
-        "linestyle": "none",
-        "markerfacecolor": FAINT,
-        "markeredgecolor": "black",
-        "markeredgewidth": 0.4,
-    }
+    look: dict[str, Any] = {"markerfacecolor": FAINT, "markeredgecolor": "black", "markeredgewidth": 0.4}
     entries = [
-        Line2D([], [], marker="D", color=LEADER, linestyle="none", label="leader"),
-        *(
-            Line2D([], [], marker=marker, label=PHASES[marker], **dot)
-            for marker in PHASES
-            if marker in markers
-        ),
-        Line2D(
-            [],
-            [],
-            marker="o",
-            markersize=10,
-            markerfacecolor="none",
-            markeredgecolor="#D55E00",
-            linestyle="none",
-            label="V optimum",
-        ),
-        Line2D(
-            [],
-            [],
-            marker="x",
-            markersize=8,
-            markeredgewidth=1.8,
-            color="#D55E00",
-            linestyle="none",
-            label="best of all",
-        ),
+        dot("leader", marker="D", color=LEADER),
+        *(dot(words, marker=marker, **look) for marker, words in PHASES.items() if marker in markers),
+        dot("V optimum", marker="o", markersize=10, markerfacecolor="none", markeredgecolor="#D55E00"),
+        dot("best of all", marker="x", markersize=8, markeredgewidth=1.8, color="#D55E00"),
     ]
-    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))
+    legend_below(figure, entries, len(entries))
+
+
+PICTURE = Picture("optima-map", "All the optima, and what each costs", CAPTION, describe, draw)

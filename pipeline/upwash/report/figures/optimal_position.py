@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from upwash.aero.interaction import phase_weights, state_forces
+from upwash.aero.interaction import phase_weights
 from upwash.aero.wake import spanwise_spacing_rule
 from upwash.report.figures.drawing import (
     FAINT,
@@ -24,11 +24,10 @@ from upwash.report.figures.drawing import (
     styled,
     tip_height,
 )
-from upwash.study.sources import best, bird_of, common_name, objectives_of, pose_of
+from upwash.report.figures.picture import Picture
+from upwash.report.words import common_name, least
+from upwash.study.rows import best, objectives_of, state_forces_of
 
-NAME = "optimal-position"
-TITLE = "Where the follower should fly"
-NEEDS = ("pair", "observations")
 CAPTION = (
     "(a) The best position outboard of and level with the leader, from above, in wavelengths λ and "
     "semispans b, for each cost. Upright line: x = λ/2; level lines: the spacing rule y = b (π/4 + (1 + "
@@ -50,9 +49,9 @@ def wake_forces(row: pd.Series) -> np.ndarray:
     (5, 2) ndarray of float
         Thrust over D, lift over W.
     """
-    found = state_forces(bird_of(row), bird_of(row).stroke, pose_of(row))
-    mean = np.tensordot(phase_weights(row["phase"]), found, axes=2)
-    forces = np.vstack([found.reshape(4, 2), mean])
+    of_states = state_forces_of(row)
+    mean = np.tensordot(phase_weights(row["phase"]), of_states, axes=2)
+    forces = np.vstack([of_states.reshape(4, 2), mean])
     return forces[:, ::-1] / (row["drag_n"], row["weight_n"])
 
 
@@ -73,7 +72,7 @@ def describe(pair: pd.DataFrame, observations: pd.DataFrame) -> str:
     """Say in words what the figure shows."""
     rows = {objective: best(pair, objective) for objective in objectives_of(pair)}
     places = [
-        f"for least {objective.replace('_', ' ')} {row['x_m']:.2f} m behind, {row['y_m']:.3f} m aside and "
+        f"for {least(objective)} {row['x_m']:.2f} m behind, {row['y_m']:.3f} m aside and "
         f"{abs(row['z_m']):.3f} m {'below' if row['z_m'] < 0 else 'above'} at phase {row['phase']:.2f}"
         for objective, row in rows.items()
     ]
@@ -90,20 +89,7 @@ def describe(pair: pd.DataFrame, observations: pd.DataFrame) -> str:
 
 @styled
 def draw(pair: pd.DataFrame, observations: pd.DataFrame) -> Figure:
-    """Draw the optimal position in two planes, and the forces in each pair of stroke states.
-
-    Parameters
-    ----------
-    pair : DataFrame
-        Optima of one bird, for one or more objectives.
-    observations : DataFrame
-        Published observations.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw the optimal position in two planes, and the forces in each pair of stroke states."""
     rows = [best(pair, objective) for objective in objectives_of(pair)]
     figure = Figure(figsize=(PAGE_WIDTH_IN, 5.2), layout="constrained")
     panels = figure.subplots(2, 2)
@@ -211,3 +197,6 @@ def _draw_forces(axes: Axes, forces: dict[str, np.ndarray], shown: tuple[str, ..
             axes.annotate(state, (thrust, lift), (0, 5), textcoords="offset points", ha="center", va="bottom")
     axes.set(xlabel="thrust from the wake / D (right: forwards)", ylabel="lift from the wake / W")
     letter(axes, name, "Force in each pair of states" if name == "c" else "The frame in c, larger")
+
+
+PICTURE = Picture("optimal-position", "Where the follower should fly", CAPTION, describe, draw)

@@ -10,22 +10,21 @@ from matplotlib.figure import Figure
 
 from upwash.report.figures.drawing import (
     FAINT,
-    OBJECTIVE_LABELS,
     OBJECTIVES,
     PAGE_WIDTH_IN,
     in_percent,
+    legend_below,
     letter,
-    percent,
     styled,
 )
-from upwash.study.sources import objectives_of, subject, varied_inputs
+from upwash.report.figures.picture import Picture
+from upwash.report.words import least, percent
+from upwash.study.rows import objectives_of
+from upwash.study.sources import subject, varied_inputs
 
-NAME = "parameter-saving"
-TITLE = "What the saving depends on"
-NEEDS = ("varied",)
 CAPTION = (
-    "Share of the leader's total power that the follower saves at the V optimum, as one input is varied and "
-    "all others stay as they are. Upright line: the bird itself. A line breaks where there is no V optimum; "
+    "Share of the leader's total power that the follower saves at the V optimum, as one input (a and so on) is varied "
+    "and all others stay as they are. Upright line: the bird itself. A line breaks where there is no V optimum; "
     "a step is a change from one optimum to another."
 )
 LABELS = {
@@ -77,23 +76,12 @@ def describe(varied: pd.DataFrame) -> str:
             f"{LABELS[name][0].lower()} {first[name]:.3g} to {last[name]:.3g}: {percent(first['saving_total'], 1)} "
             f"to {percent(last['saving_total'], 1)}"
         )
-    return f"Savings for {OBJECTIVE_LABELS[objective]} as one input varies. " + "; ".join(parts) + "."
+    return f"Savings for {least(objective)} as one input varies. " + "; ".join(parts) + "."
 
 
 @styled
 def draw(varied: pd.DataFrame) -> Figure:
-    """Draw saving against every input that is varied alone.
-
-    Parameters
-    ----------
-    varied : DataFrame
-        All optima of problems about one bird.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw saving against every input that is varied alone."""
     base = subject(varied)
     inputs = varied_inputs(varied, base)
     lines = math.ceil(len(inputs) / COLUMNS)
@@ -109,8 +97,7 @@ def draw(varied: pd.DataFrame) -> Figure:
     for axes in panels[: len(inputs) : columns]:
         axes.set_ylabel("total power saved")
     panels[0].set_ylim(bottom=min(0.0, panels[0].get_ylim()[0]))
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    legend_below(figure, panels[0], 3)
     return figure
 
 
@@ -126,8 +113,11 @@ def draw_curves(axes: Axes, rows: pd.DataFrame, name: str) -> None:
             linestyle=style["linestyle"],
             marker=style["marker"],
             markersize=3.5,
-            label=OBJECTIVE_LABELS[objective],
+            label=least(objective),
             gid=f"{name} {objective}",
         )
     in_percent(axes.yaxis)
     axes.set_xlabel(LABELS[name][1])
+
+
+PICTURE = Picture("parameter-saving", "What the saving depends on", CAPTION, describe, draw)

@@ -12,20 +12,18 @@ from upwash.report.figures.drawing import (
     DOWNSTROKE,
     FAINT,
     LEADER,
-    OBJECTIVE_LABELS,
     OBJECTIVES,
     PAGE_WIDTH_IN,
     UPSTROKE,
+    legend_below,
     letter,
     mark,
-    signed,
     styled,
 )
-from upwash.study.sources import best, bird_of, objectives_of
+from upwash.report.figures.picture import Picture
+from upwash.report.words import least, signed
+from upwash.study.rows import best, bird_of, objectives_of
 
-NAME = "spacing-rule"
-TITLE = "How far to the side"
-NEEDS = ("pair",)
 CAPTION = (
     "From above, the two pairs of stroke states that matter in antiphase: (a) leader down, follower up; (b) "
     "leader up, follower down. The nearer tip vortex of the leader's downstroke lies π b/4 aside throughout "
@@ -42,7 +40,7 @@ def describe(pair: pd.DataFrame) -> str:
         row = best(pair, objective)
         rule = spanwise_spacing_rule(row["semispan_m"], row["upstroke_span_ratio"])
         parts.append(
-            f"{OBJECTIVE_LABELS[objective]}: {row['y_m']:.3f} m found, {rule:.3f} m by the rule, "
+            f"{least(objective)}: {row['y_m']:.3f} m found, {rule:.3f} m by the rule, "
             f"{signed(100.0 * (row['y_m'] / rule - 1.0), 1)} % apart"
         )
     return "Two sketches of leader, wake and follower from above, and the spacing. " + "; ".join(parts) + "."
@@ -50,18 +48,7 @@ def describe(pair: pd.DataFrame) -> str:
 
 @styled
 def draw(pair: pd.DataFrame) -> Figure:
-    """Draw the spacing rule.
-
-    Parameters
-    ----------
-    pair : DataFrame
-        Optima of one bird; the sketches show the first objective's best one.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw the spacing rule."""
     rows = [best(pair, objective) for objective in objectives_of(pair)]
     figure = Figure(figsize=(PAGE_WIDTH_IN, 2.7), layout="constrained")
     down_up, up_down, found = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 0.75))
@@ -71,8 +58,7 @@ def draw(pair: pd.DataFrame) -> Figure:
     letter(up_down, "b", "Leader up, follower down")
     up_down.set_ylabel("")
     _draw_found(found, rows)
-    handles, labels = down_up.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    legend_below(figure, down_up, 5)
     return figure
 
 
@@ -153,7 +139,10 @@ def _draw_found(axes: Axes, rows: list[pd.Series]) -> None:
         )
     axes.margins(y=1.0)
     axes.set(xlim=(-0.6, len(rows) - 0.4), ylabel="y/b")
-    axes.set_xticks(range(len(rows)), [OBJECTIVE_LABELS[row["objective"]] for row in rows])
+    axes.set_xticks(range(len(rows)), [least(row["objective"]) for row in rows])
     axes.plot([], [], color=FAINT, linewidth=2.0, label="the rule")
     axes.legend(handles=[axes.lines[-1]], loc="upper left")
     letter(axes, "c", "Found, and the rule")
+
+
+PICTURE = Picture("spacing-rule", "How far to the side", CAPTION, describe, draw)

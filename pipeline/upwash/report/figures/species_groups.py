@@ -8,17 +8,14 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from upwash.report.figures.drawing import FAINT, PAGE_WIDTH_IN, in_percent, letter, percent, styled
+from upwash.report.figures.drawing import FAINT, PAGE_WIDTH_IN, dot, in_percent, letter, styled
+from upwash.report.figures.picture import Picture
 from upwash.report.figures.species_rows import order_of
+from upwash.report.words import common_name, percent
 from upwash.study.comparison import compare
-from upwash.study.sources import common_name, objectives_of
+from upwash.study.rows import objectives_of
 
-NAME = "species-groups"
-TITLE = "Species: one chart for all"
-NEEDS = ("species",)
-MAY_TAKE = ("samples",)
 CAPTION = (
     "Each species by its dimensionless groups: (a) wavelength and weight number, (b) wavelength and "
     "amplitude, in semispans. Birds at one point, with equal R_L, have the same solution in semispans and "
@@ -61,20 +58,7 @@ def describe(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> str:
 
 @styled
 def draw(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> Figure:
-    """Draw the chart of dimensionless groups.
-
-    Parameters
-    ----------
-    species : DataFrame
-        All optima of several species; the first objective's saving is shown.
-    samples : DataFrame, optional
-        All optima of a study that samples the species' inputs.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw the chart of dimensionless groups."""
     found, order = _chosen(species, samples), order_of(species)
     figure = Figure(figsize=(PAGE_WIDTH_IN, 4.8), layout="constrained")
     panels = figure.subplots(1, 2)
@@ -113,10 +97,7 @@ def draw(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> Figure:
         ScalarMappable(norm), ax=panels, location="right", label="total power saved", aspect=30
     )
     in_percent(bar.ax.yaxis)
-    entries = [
-        Line2D([], [], linestyle="none", label=f"{number}  {common_name(name)}")
-        for number, name in enumerate(order, 1)
-    ]
+    entries = [dot(f"{number}  {common_name(name)}") for number, name in enumerate(order, 1)]
     figure.legend(
         handles=entries, loc="outside lower center", ncols=4, handlelength=0, handletextpad=0, fontsize=6.5
     )
@@ -164,3 +145,6 @@ def _number(axes: Axes, points: np.ndarray, numbers: list[int], every: np.ndarra
             if is_apart
             else None,
         )
+
+
+PICTURE = Picture("species-groups", "Species: one chart for all", CAPTION, describe, draw)

@@ -8,19 +8,16 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from upwash.report.figures.drawing import FAINT, OBJECTIVES, OBSERVED, PAGE_WIDTH_IN, letter, styled
-from upwash.report.figures.species_rows import CONVENTIONS, ROW_IN, add_legend
+from upwash.report.figures.drawing import FAINT, OBSERVED, PAGE_WIDTH_IN, dot, letter, styled
+from upwash.report.figures.picture import Picture
+from upwash.report.figures.species_rows import ROW_IN, add_legend, look_of
+from upwash.report.words import common_name
 from upwash.study.observations import NOT_COMPARED, compare_with_observations
-from upwash.study.sources import common_name
 
-NAME = "species-observed"
-TITLE = "Species: beside what was observed"
-NEEDS = ("species", "observations")
-MAY_TAKE = ("samples",)
 CAPTION = (
-    "Our V optimum beside each published number of the same species. Diamonds and bars: published, filled "
+    "Our V optimum beside each published number of the same species: (a) to the side, (b) what is saved, (c) "
+    "downstream, (d) up. Diamonds and bars: published, filled "
     "if measured on birds, hollow if computed by theory from measured positions; an open end of a range is "
     "an arrow. Marks: ours. Distances in semispans of the species; a published gap between wingtips is "
     "drawn as the distance between bodies that it means (wingtips). At the right: how ours lies beside it, least force "
@@ -83,22 +80,7 @@ def describe(species: pd.DataFrame, observations: pd.DataFrame, samples: pd.Data
 
 @styled
 def draw(species: pd.DataFrame, observations: pd.DataFrame, samples: pd.DataFrame | None = None) -> Figure:
-    """Draw our values beside the published ones.
-
-    Parameters
-    ----------
-    species : DataFrame
-        All optima of several species.
-    observations : DataFrame
-        Published observations.
-    samples : DataFrame, optional
-        All optima of a study that samples the species' inputs.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw our values beside the published ones."""
     found = compared(species, observations, samples)
     panels = [found[found["quantity"].isin(quantities)] for _, _, quantities in PANELS]
     lines = [max(1, _count(panels[i]), _count(panels[i + 1])) for i in (0, 2)]
@@ -110,16 +92,8 @@ def draw(species: pd.DataFrame, observations: pd.DataFrame, samples: pd.DataFram
         one.set_xlabel(label)
         letter(one, name, title)
     entries = [
-        Line2D([], [], linestyle="none", marker="D", color=OBSERVED, label="published, measured on birds"),
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker="D",
-            color=OBSERVED,
-            markerfacecolor="white",
-            label="published, computed by theory",
-        ),
+        dot("published, measured on birds", marker="D", color=OBSERVED),
+        dot("published, computed by theory", marker="D", color=OBSERVED, markerfacecolor="white"),
     ]
     add_legend(figure, found, entries)
     return figure
@@ -150,17 +124,14 @@ def _draw_panel(axes: Axes, rows: pd.DataFrame) -> None:
         axes.axhline(line, color=FAINT, alpha=0.25, linewidth=0.5, zorder=0)
         _draw_published(axes, own.iloc[0], line)
         for number, (_, row) in enumerate(own.iterrows()):
-            style = OBJECTIVES[row["objective"]]
-            filled = row["amplitude_convention"] == next(iter(CONVENTIONS))
+            look = look_of(row["objective"], row["amplitude_convention"])
             place = line + 0.5 * ((number + 0.5) / len(own) - 0.5) - 0.05
-            axes.hlines(place, row["ours_low"], row["ours_high"], color=style["color"], linewidth=0.7)
+            axes.hlines(place, row["ours_low"], row["ours_high"], color=look["color"], linewidth=0.7)
             axes.plot(
                 row["ours"],
                 place,
-                marker=style["marker"],
+                **look,
                 markersize=3.5,
-                color=style["color"],
-                markerfacecolor=style["color"] if filled else "white",
                 gid=f"ours {species} {quantity} {row['objective']} {row['amplitude_convention']}",
                 zorder=3,
             )
@@ -206,3 +177,6 @@ def _draw_published(axes: Axes, row: pd.Series, line: int) -> None:
             zorder=2,
             gid=f"published {row['species']} {row['quantity']}",
         )
+
+
+PICTURE = Picture("species-observed", "Species: beside what was observed", CAPTION, describe, draw)

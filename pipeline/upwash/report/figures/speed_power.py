@@ -6,13 +6,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from upwash.report.figures.drawing import LEADER, OBJECTIVES, PAGE_WIDTH_IN, letter, styled
+from upwash.report.figures.drawing import LEADER, OBJECTIVES, PAGE_WIDTH_IN, legend_below, letter, styled
+from upwash.report.figures.picture import Picture
+from upwash.report.words import common_name
 from upwash.study.airspeed import best_speed
-from upwash.study.sources import common_name
 
-NAME = "speed-power"
-TITLE = "How fast to fly"
-NEEDS = ("speeds",)
 CAPTION = (
     "(a) Total power and (b) energy per distance against airspeed: of the lone bird, of a follower at the V "
     "optimum, and of one at the best optimum of all, each at the position and stroke of least power at that "
@@ -77,18 +75,7 @@ def _best(curve: pd.DataFrame, per_metre: bool) -> tuple[float, str]:
 
 @styled
 def draw(speeds: pd.DataFrame) -> Figure:
-    """Draw power and energy per distance against airspeed.
-
-    Parameters
-    ----------
-    speeds : DataFrame
-        All optima of least power of a bird at several airspeeds.
-
-    Returns
-    -------
-    Figure
-        The figure.
-    """
+    """Draw power and energy per distance against airspeed."""
     figure = Figure(figsize=(PAGE_WIDTH_IN, 2.9), layout="constrained")
     panels = figure.subplots(1, 2)
     for axes, name, (title, label, per_metre) in zip(panels, "ab", PANELS, strict=True):
@@ -97,8 +84,7 @@ def draw(speeds: pd.DataFrame) -> Figure:
         axes.set(xlabel="U, airspeed (m/s)", ylabel=label)
         axes.set_ylim(bottom=0.0)
         letter(axes, name, title)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    legend_below(figure, panels[0], 3)
     return figure
 
 
@@ -125,3 +111,6 @@ def _draw_curve(axes: Axes, curve: pd.DataFrame, per_metre: bool, name: str) -> 
         fontsize=7,
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
     )
+
+
+PICTURE = Picture("speed-power", "How fast to fly", CAPTION, describe, draw)
