@@ -30,9 +30,9 @@ CAPTION = (
     "nearer one; while it is down (c, d), that of its downstroke (green, solid). Each rectangle is a closed loop "
     "of filaments of circulation Γ whose sense the small arrows show; signs are relative to +x and +y. The "
     "follower (orange line) is a lifting line between its wingtips, raised and narrow when up (a, c), "
-    "lowered and wide when down (b, d), shown at the optimum. Red: the force that the wake exerts on it, an arrow to one scale "
-    "in all four, left out where it would be shorter than its head. β: the share of the wingbeat for which "
-    "the pair of states lasts."
+    "lowered and wide when down (b, d), shown at the optimum. Red: the force that the wake exerts on it, an "
+    "arrow to one scale in all four, left out where it would be shorter than its head. β: the share of the "
+    "wingbeat for which the pair of states lasts."
 )
 STATES = ("up", "down")
 VIEW = View(azimuth_deg=-20.0, elevation_deg=36.0)
