@@ -115,7 +115,7 @@ class TestVerdict:
     def verdict_on(self):
         def verdict(cases, accepted=None):
             claim = Claim(
-                "name", "place", "says", "1", "", accepted or near(1.0, 0.1), lambda _: cases, "why"
+                "name", "topic", "place", "says", "1", "", accepted or near(1.0, 0.1), lambda _: cases, "why"
             )
             return judge(claim, Evidence(pd.DataFrame([{"x": 1}])))
 
@@ -151,6 +151,7 @@ class TestVerdict:
     def test_why_names_our_values_and_other_facts(self):
         claim = Claim(
             "name",
+            "",
             "",
             "",
             "",
@@ -430,15 +431,15 @@ class TestMutations:
         assert outcome("cost-against-amplitude", evidence) == (HOLDS, ())
 
     def test_a_paper_that_prints_one_number(self, evidence, monkeypatch):
-        monkeypatch.setitem(of_print._VARIOUS, "y_F", (0.882, 0.882, 0.882))
+        monkeypatch.setitem(of_print._VARIOUS, "y", (0.882, 0.882, 0.882))
         assert outcome("print-y", evidence) == (HOLDS, ())
 
     def test_a_paper_that_prints_our_optimum(self, evidence, monkeypatch):
         ours = evidence.v("force")
-        printed = {"x_F": ours["x_m"], "y_F": ours["y_m"], "z_F": of_print.HEIGHT_OF_LEADER_M + ours["z_m"]}
-        printed |= {"h_F": ours["amplitude_m"], "R_F": ours["upstroke_span_ratio"], "κ_F": 0.5}
-        for symbol, value in printed.items():
-            monkeypatch.setitem(of_print._TABLE, symbol, value)
+        printed = {"x": ours["x_m"], "y": ours["y_m"], "z": of_print.HEIGHT_OF_LEADER_M + ours["z_m"]}
+        printed |= {"h": ours["amplitude_m"], "R": ours["upstroke_span_ratio"], "phase": 0.5}
+        for name, value in printed.items():
+            monkeypatch.setitem(of_print._TABLE, name, value)
         assert outcome("print-balance", evidence) == outcome("print-attainable", evidence) == (HOLDS, ())
 
     def test_a_solver_that_always_gets_there(self, evidence, monkeypatch):

@@ -79,6 +79,11 @@ def at_least(limit: float) -> Accepted:
     return Accepted(limit, math.inf)
 
 
+Measure = Callable[[Evidence], Cases]
+Measures = Mapping[str, Measure]
+"""Name of a claim -> what is measured for it."""
+
+
 @dataclass(frozen=True)
 class Claim:
     """One claim of the paper.
@@ -87,6 +92,8 @@ class Claim:
     ----------
     name : str
         Its name, which stays when claims are added or moved.
+    topic : str
+        What it is about.
     place : str
         Where it stands in the paper.
     says : str
@@ -108,15 +115,39 @@ class Claim:
     """
 
     name: str
+    topic: str
     place: str
     says: str
     printed: str
     unit: str
     accepted: Accepted
-    measure: Callable[[Evidence], Cases]
+    measure: Measure
     why: str
     needs: str = "pair"
-    facts: Callable[[Evidence], Cases] | None = None
+    facts: Measure | None = None
+
+
+def read_claim(said: Mapping[str, str], measure: Measure, facts: Measure | None) -> Claim:
+    """Return a claim as a line of ``claims.csv`` says it.
+
+    An end of the accepted values that is not given is open. A tolerance in percent is a share of the printed value.
+    """
+    low, high = float(said["low"] or -math.inf), float(said["high"] or math.inf)
+    share, is_share, _ = said["tolerance"].partition(" %")
+    tolerance = float(share or 0.0) / 100.0 * low if is_share else float(share or 0.0)
+    return Claim(
+        name=said["claim_id"],
+        topic=said["topic"],
+        place=said["place"],
+        says=said["claim"],
+        printed=said["printed"],
+        unit=said["unit"],
+        accepted=Accepted(low, high, tolerance),
+        measure=measure,
+        why=said["why"],
+        needs=said["evidence"],
+        facts=facts,
+    )
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,8 @@ from upwash.aero.field_map import PLANES, force_map
 from upwash.aero.wake import WakeModel
 from upwash.errors import UpwashError
 from upwash.optimum.problem import STREAMWISE_REACH
-from upwash.paper.printed import Row
 from upwash.study.quantities import with_quantities
-from upwash.study.rows import bird_of, pose_of, state_forces_of
+from upwash.study.rows import Row, bird_of, pose_of, state_forces_of
 from upwash.study.sources import read_study
 
 PAPER_BIRD = Bird(

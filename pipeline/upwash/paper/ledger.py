@@ -25,23 +25,17 @@ from upwash.paper.claim import (
     VERDICTS,
     Judgement,
     judge,
+    read_claim,
 )
 from upwash.paper.evidence import Evidence
+from upwash.paper.printed import SAID
 
-TOPICS = {
-    "Table 1": of_table_1.CLAIMS,
-    "The lone bird and the cost": of_lone_bird.CLAIMS,
-    "Where the follower flies": of_optimum.CLAIMS,
-    "The search": of_search.CLAIMS,
-    "The wake's force": of_forces.CLAIMS,
-    "Power and stroke": of_power.CLAIMS,
-    "The flock": of_flock.CLAIMS,
-    "The airspeed of a group": of_speed.CLAIMS,
-    "The paper against itself": of_print.CLAIMS,
-}
-"""Topic -> its claims, in the order of the ledger."""
+OF = (of_table_1, of_lone_bird, of_optimum, of_search, of_forces, of_power, of_flock, of_speed, of_print)
+MEASURES = {name: measure for module in OF for name, measure in module.MEASURES.items()}
+FACTS = {name: facts for module in OF for name, facts in getattr(module, "FACTS", {}).items()}
 
-CLAIMS = tuple(claim for claims in TOPICS.values() for claim in claims)
+CLAIMS = tuple(read_claim(said, MEASURES[name], FACTS.get(name)) for name, said in SAID.items())
+"""The claims in the order of the ledger."""
 
 CLAIM_COLUMNS = (
     Column("claim_id", "", "name of the claim", TEXT),
@@ -82,11 +76,7 @@ def judge_claims(evidence: Evidence) -> pd.DataFrame:
     DataFrame
         The columns of `CLAIM_COLUMNS`, one row a claim, in the order of the ledger.
     """
-    rows = [
-        {"topic": topic, **_row(judge(claim, evidence))}
-        for topic, claims in TOPICS.items()
-        for claim in claims
-    ]
+    rows = [_row(judge(claim, evidence)) for claim in CLAIMS]
     return pd.DataFrame(rows, columns=[column.name for column in CLAIM_COLUMNS])
 
 
@@ -95,6 +85,7 @@ def _row(judged: Judgement) -> dict[str, object]:
     has_width = math.isfinite(accepted.low) and math.isfinite(accepted.high)
     return {
         "claim_id": claim.name,
+        "topic": claim.topic,
         "place": claim.place,
         "claim": claim.says,
         "printed": claim.printed,

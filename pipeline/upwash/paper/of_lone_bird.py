@@ -13,7 +13,7 @@ from upwash.aero.induction import velocity
 from upwash.aero.interaction import state_forces
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
-from upwash.paper.claim import Cases, Claim, at_most, near
+from upwash.paper.claim import Cases, Measures
 from upwash.paper.evidence import OBJECTIVES, Evidence
 from upwash.study.rows import pose_of
 
@@ -99,47 +99,10 @@ def _cost_by_amplitude(evidence: Evidence) -> Cases:
     }
 
 
-CLAIMS = (
-    Claim(
-        "circulation-scaling",
-        "Eq. gamma_sol",
-        "circulation is proportional to weight, inversely to air density, wingspan and speed",
-        "exponents 1, -1, -1, -1",
-        "",
-        near(0.0, 1e-9),
-        _circulation_exponents,
-        "Exponent found less exponent claimed, amplitude and R being kept.",
-    ),
-    Claim(
-        "passive-upstroke",
-        "Eq. gamma_sol",
-        "R = 0 is a passive upstroke without circulation",
-        "none",
-        "",
-        near(0.0, 1e-6),
-        _passive_upstroke,
-        "Upstroke's lift and upstroke's wake both vanish with R.",
-    ),
-    Claim(
-        "product-of-R-and-circulation",
-        "Eq. gamma_sol",
-        "R appears in the model only in the product R Γ",
-        "only in R Γ",
-        "%",
-        near(0.0, 1.0),
-        _same_product,
-        "So it is for a lone bird. In the wake R also places the tip vortices: with R raised to 0.5 and the upstroke's "
-        "circulation lowered to match, thrust from the leader-up wake changes by {thrust from the wake:.0f} %.",
-    ),
-    Claim(
-        "cost-against-amplitude",
-        "Optimization, bound 4",
-        "the cost decreases monotonically with h_F",
-        "decreases",
-        "",
-        at_most(0.0),
-        _cost_by_amplitude,
-        "A misprint: more amplitude is more thrust and more cost, by {force:.3f} (force) and {power:.2f} (power) "
-        "of the relative change of h.",
-    ),
-)
+MEASURES: Measures = {
+    "circulation-scaling": _circulation_exponents,
+    "passive-upstroke": _passive_upstroke,
+    "product-of-R-and-circulation": _same_product,
+    "cost-against-amplitude": _cost_by_amplitude,
+}
+"""Claim -> our value in each case."""

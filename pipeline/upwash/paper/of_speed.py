@@ -1,15 +1,13 @@
-"""What the paper says of the best airspeed of a group, from the pair solved at several airspeeds."""
+"""What the paper says of the best airspeed of a group, from the pair solved at several airspeeds.
+
+Lower means by more than the interpolation between the solved airspeeds can err, a hundredth.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from upwash.paper.claim import Accepted, Cases, Claim
+from upwash.paper.claim import Cases, Measure, Measures
 from upwash.paper.evidence import Evidence
 from upwash.study.airspeed import best_speed
-
-LOWER = Accepted(0.0, 0.99)
-"""Ratios of airspeeds that are lower by more than the interpolation between the solved ones can err."""
 
 
 def _speeds(evidence: Evidence, per_metre: bool) -> dict[str, tuple[float, float]]:
@@ -28,14 +26,14 @@ def _speeds(evidence: Evidence, per_metre: bool) -> dict[str, tuple[float, float
     return found
 
 
-def _over_alone(per_metre: bool) -> Callable[[Evidence], Cases]:
+def _over_alone(per_metre: bool) -> Measure:
     """Best airspeed of the follower over that of the lone bird."""
     return lambda evidence: {
         words: own / alone for words, (own, alone) in _speeds(evidence, per_metre).items()
     }
 
 
-def _in_m_s(per_metre: bool) -> Callable[[Evidence], Cases]:
+def _in_m_s(per_metre: bool) -> Measure:
     """Best airspeeds of the lone bird and of one in a V, and the slowest that was solved, in m/s."""
 
     def measure(evidence: Evidence) -> Cases:
@@ -46,30 +44,14 @@ def _in_m_s(per_metre: bool) -> Callable[[Evidence], Cases]:
     return measure
 
 
-CLAIMS = (
-    Claim(
-        "group-speed-of-least-power",
-        "Discussion",
-        "the airspeed of least power is lower for the follower than for a lone bird",
-        "lower",
-        "of the lone bird's",
-        LOWER,
-        _over_alone(per_metre=False),
-        "Alone {alone:.1f} m/s; in the V {V:.1f} m/s or less: slower than {slowest:g} m/s nothing was solved, as this "
-        "V then comes within a semispan of the leader.",
-        needs="speeds",
-        facts=_in_m_s(per_metre=False),
-    ),
-    Claim(
-        "group-speed-of-least-energy",
-        "Discussion",
-        "so is the airspeed of least energy per distance, which the paper leaves to future work",
-        "(not computed)",
-        "of the lone bird's",
-        LOWER,
-        _over_alone(per_metre=True),
-        "Alone {alone:.1f} m/s, in the V {V:.1f} m/s.",
-        needs="speeds",
-        facts=_in_m_s(per_metre=True),
-    ),
-)
+MEASURES: Measures = {
+    "group-speed-of-least-power": _over_alone(per_metre=False),
+    "group-speed-of-least-energy": _over_alone(per_metre=True),
+}
+"""Claim -> our value in each case."""
+
+FACTS: Measures = {
+    "group-speed-of-least-power": _in_m_s(per_metre=False),
+    "group-speed-of-least-energy": _in_m_s(per_metre=True),
+}
+"""Claim -> other numbers of ours that its reason names."""

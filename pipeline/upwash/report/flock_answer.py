@@ -11,7 +11,6 @@ from upwash import columns as of
 from upwash.optimum.proof import is_proved
 from upwash.optimum.rotation import take_turns
 from upwash.report.table import ABSENT, Table, shown
-from upwash.report.table import ABSENT, Table, shown
 from upwash.report.words import least
 
 READINGS = {

@@ -6,7 +6,6 @@ from typing import Any
 
 import pandas as pd
 
-from upwash.paper.printed import Row
 from upwash.report.tables import (
     GLOBAL,
     V,
@@ -18,6 +17,7 @@ from upwash.report.tables import (
     table_1,
 )
 from upwash.report.words import least
+from upwash.study.rows import Row
 
 
 def reproduction(solutions: pd.DataFrame) -> str:

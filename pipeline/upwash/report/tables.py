@@ -15,10 +15,11 @@ from upwash import columns as of
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.batch.check import RESIDUAL_LIMIT
 from upwash.optimum.proof import is_proved, wall_in_words
-from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1, Row
-from upwash.report.table import Table, cell, shown
+from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1
+from upwash.report.table import Table, shown
 from upwash.report.words import least, power_of_ten, words_of
 from upwash.study.quantities import with_quantities
+from upwash.study.rows import Row
 
 V, GLOBAL = "V optimum", "global optimum"
 PROVED, OPEN = "proved to", "open"
@@ -70,19 +71,20 @@ def table_1(solutions: pd.DataFrame) -> Table:
         One row a figure of the follower: the paper's, ours, and the difference over the paper's in percent.
     """
     best = best_optima(solutions[solutions["objective"] == "force"])[V]
+    figures = TABLE_1.values()
     rows = [
         {
-            "follower": f"{one.symbol}, {one.quantity}",
-            "unit": one.unit,
-            "paper": one.values[0],
-            "Upwash": one.ours(best),
-            "difference %": 100.0 * (one.ours(best) / one.values[0] - 1.0),
+            "follower": figure.quantity,
+            "unit": figure.unit,
+            "paper": figure.values[0],
+            "Upwash": figure.ours(best),
+            "difference %": 100.0 * (figure.ours(best) / figure.values[0] - 1.0),
         }
-        for one in TABLE_1
+        for figure in figures
     ]
     formats = {
-        "paper": [f".{one.decimals}f" for one in TABLE_1],
-        "Upwash": [f".{one.decimals + 1}f" for one in TABLE_1],
+        "paper": [f".{figure.decimals}f" for figure in figures],
+        "Upwash": [f".{figure.decimals + 1}f" for figure in figures],
         "difference %": "+.2f",
     }
     return Table("Table 1 of the paper, and the V optimum of least force", pd.DataFrame(rows), formats)
@@ -95,20 +97,20 @@ def printed_variously(solutions: pd.DataFrame) -> Table:
     """
     best = best_optima(solutions[solutions["objective"] == "force"])[V]
     rows = []
-    for one in PRINTED_VARIOUSLY:
-        places: dict[str, list[str]] = {place: [] for place in one.places}
-        for value, place in zip(one.values, one.places, strict=True):
-            places[place].append(cell(value, f".{one.decimals}f"))
+    for figure in PRINTED_VARIOUSLY.values():
+        places: dict[str, list[str]] = {place: [] for place in figure.places}
+        for printed, place in zip(figure.printed, figure.places, strict=True):
+            places[place].append(printed)
         printed = "; ".join(f"{' and '.join(values)} ({place})" for place, values in places.items())
         rows.append(
             {
-                "follower": f"{one.symbol}, {one.quantity}",
-                "unit": one.unit,
+                "follower": figure.quantity,
+                "unit": figure.unit,
                 "paper": printed,
-                "Upwash": one.ours(best),
+                "Upwash": figure.ours(best),
             }
         )
-    formats = {"Upwash": [f".{one.decimals + 1}f" for one in PRINTED_VARIOUSLY]}
+    formats = {"Upwash": [f".{figure.decimals + 1}f" for figure in PRINTED_VARIOUSLY.values()]}
     return Table("Savings, and where the paper prints several values", pd.DataFrame(rows), formats)
 
 
