@@ -337,6 +337,9 @@ class TestObservations:
             assert any(character.isdigit() for character in row["study"])
             assert row["metric"]
             assert row["basis"] in {"measured", "computed"}
+            assert row["this_model"] == ("yes" if "arXiv:2602.22043" in row["study"] else "no")
+            author, year = row["label"].split()
+            assert row["study"].startswith(author) and f" {year}" in row["study"]
             assert row["read"] in {"original", "quoted", "recalled"}
             assert not {"where", "seen"} & set(row)
 

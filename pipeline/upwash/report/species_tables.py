@@ -12,7 +12,6 @@ from upwash.study.mechanism import STATEMENTS
 from upwash.study.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
 from upwash.study.quantities import ALIKE, COMPARED, GAP, GROUPS, POSITION, QUANTITIES, SAVING, STROKE
 
-THE_PAPER = "arXiv:2602.22043"
 NO_V = "no V"
 INTERVALS = "in brackets: 5 % and 95 % quantiles of the samples from each species' own ranges"
 
@@ -200,9 +199,7 @@ def observations_tables(observed: pd.DataFrame) -> list[Table]:
     """
     compared = observed[observed["verdict"] != NOT_COMPARED]
     # What the paper got from this very model is no observation.
-    basis = compared["basis"].mask(
-        compared["study"].str.contains(THE_PAPER, regex=False), "computed, by the paper itself"
-    )
+    basis = compared["basis"].mask(compared["this_model"].astype(bool), "computed, by the paper itself")
     counts = (
         compared.groupby([basis, "objective", "amplitude_convention", "verdict"])
         .size()

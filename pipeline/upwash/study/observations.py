@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from upwash.columns import TEXT, Column
+from upwash.columns import TEXT, TRUTH, Column
 from upwash.errors import UpwashError
 from upwash.species.library import LIBRARY_FOLDER
 from upwash.study.comparison import NAMES
@@ -32,6 +32,7 @@ OBSERVED = (
     Column("quantity", "", "what was observed", TEXT),
     Column("metric", "", "what exactly was measured, of what", TEXT),
     Column("basis", "", "measured on birds, or computed by theory", TEXT),
+    Column("this_model", "", "whether the number is the paper's own, from this very model", TRUTH),
     Column("unit", "", "unit of the values in this row", TEXT),
     Column("observed", "as in unit", "published value"),
     Column("observed_low", "as in unit", "least of the published range; absent if it has no lower end"),
@@ -62,17 +63,21 @@ _UNIT_M: dict[str, Callable[[pd.DataFrame], pd.Series]] = {
 _LENGTHS = {"x_m": "x_semispans", "y_m": "y_semispans", "z_m": "z_semispans"}
 
 
+COPIED = ("species", "study", "quantity", "metric", "basis", "this_model", "unit")
+"""Columns of an observation that stay as they are beside ours."""
+
+
 def read_observations() -> pd.DataFrame:
     """Return the published observations, text that is not there being empty."""
     try:
-        found = pd.read_csv(OBSERVATIONS)
+        observations = pd.read_csv(OBSERVATIONS, true_values=["yes"], false_values=["no"])
     except OSError as error:
         raise UpwashError(
             f"{OBSERVATIONS}: expected the published observations, found no such file; install Upwash from a "
             "checkout of its repository (make install)"
         ) from error
-    texts = found.columns.difference(["value", "low", "high"])
-    return found.assign(**{name: found[name].fillna("") for name in texts})
+    texts = observations.columns.difference(["value", "low", "high", "this_model"])
+    return observations.assign(**{name: observations[name].fillna("") for name in texts})
 
 
 def our_values(observation: pd.Series, optima: pd.DataFrame) -> pd.Series:
@@ -117,15 +122,15 @@ def compare_with_observations(
     observed = read_observations() if observations is None else observations
     optima = optima_of_jobs(rows).sort_values(list(KEYS))
     sampled = None if samples is None else optima_of_jobs(samples)
-    found = [part for _, one in observed.iterrows() for part in _beside(one, optima, sampled)]
-    return pd.DataFrame(found, columns=[column.name for column in OBSERVED])
+    rows_beside = [row for _, line in observed.iterrows() for row in _beside(line, optima, sampled)]
+    return pd.DataFrame(rows_beside, columns=[column.name for column in OBSERVED])
 
 
 def _beside(
     observation: pd.Series, optima: pd.DataFrame, samples: pd.DataFrame | None
 ) -> list[dict[str, Any]]:
     """Return the rows of one observation."""
-    row = {name: observation[name] for name in ("species", "study", "quantity", "metric", "basis", "unit")}
+    row = {name: observation[name] for name in COPIED}
     row |= {"observed": observation["value"], "remark": observation["note"]}
     row |= {f"observed_{end}": observation[end] for end in ("low", "high")}
     of_species = optima[optima["species"] == observation["species"]]
@@ -138,23 +143,23 @@ def _beside(
     if samples is not None:
         sampled = samples[samples["species"] == observation["species"]]
         ends = ends_of(sampled.assign(ours=our_values(observation, sampled)), KEYS, ["ours"])
-    found = []
+    beside = []
     for (_, optimum), value in zip(of_species.iterrows(), ours, strict=True):
         key = tuple(optimum[name] for name in KEYS)
-        one = row | {name: optimum[name] for name in KEYS[1:]} | {"ours": value}
+        compared = row | {name: optimum[name] for name in KEYS[1:]} | {"ours": value}
         interval = (value, value)
         if ends is not None and key in ends.index and ends.loc[key].notna().all():
             interval = (ends.loc[key, "ours_low"], ends.loc[key, "ours_high"])
-            one |= {"ours_low": interval[0], "ours_high": interval[1]}
-        if not optimum["has_v"]:
-            found.append(one | {"verdict": NOT_COMPARED, "remark": "no V optimum"})
-            continue
-        one["difference"] = value - np.clip(value, low, high)
-        one["verdict"] = _verdict(
-            one["difference"], interval, (low, high), _core_radius(observation, optimum)
-        )
-        found.append(one)
-    return found
+            compared |= {"ours_low": interval[0], "ours_high": interval[1]}
+        if optimum["has_v"]:
+            difference = value - np.clip(value, low, high)
+            core_radius = _core_radius(observation, optimum)
+            verdict = _verdict(difference, interval, (low, high), core_radius)
+            compared |= {"difference": difference, "verdict": verdict}
+        else:
+            compared |= {"verdict": NOT_COMPARED, "remark": "no V optimum"}
+        beside.append(compared)
+    return beside
 
 
 def _verdict(

@@ -58,9 +58,8 @@ def wake_forces(row: pd.Series) -> np.ndarray:
 def measured(observations: pd.DataFrame, species: str) -> list[tuple[float, float, bool]]:
     """Return the observed positions of a species: x and y in m, and whether both were measured directly."""
     of_it = observations[(observations["species"] == species) & observations["value"].notna()]
-    of_it = of_it[(of_it["unit"] == "m") & of_it["metric"].str.startswith("between bodies, a")]
-    of_it = of_it[~of_it["metric"].str.contains("model")]
-    behind, aside = (of_it[of_it["compare"] == name] for name in ("x_m", "y_m"))
+    of_it = of_it[(of_it["unit"] == "m") & ~of_it["this_model"]]
+    behind, aside = (of_it[of_it["quantity"] == name] for name in ("distance_behind", "lateral_distance"))
     return [
         (float(x["value"]), float(y["value"]), x["basis"] == y["basis"] == "measured")
         for _, x in behind.iterrows()

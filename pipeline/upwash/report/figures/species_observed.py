@@ -24,9 +24,6 @@ CAPTION = (
     "and then least power: = the ranges meet, ≈ nearer than the radius of a vortex core, > larger, < "
     "smaller."
 )
-PAPER = "Pomerenk"
-"""Author of the paper, whose own predictions are no observations."""
-
 PANELS = (
     ("To the side", "y/b", ("lateral_distance", "wingtip_spacing")),
     ("Saving", "share saved (%)", ("total_power_saving", "induced_power_saving")),
@@ -52,7 +49,9 @@ def compared(
         Columns of `upwash.study.observations.OBSERVED`, without what compares with nothing.
     """
     found = compare_with_observations(species, samples, observations)
-    found = found[(found["verdict"] != NOT_COMPARED) & ~found["study"].str.startswith(PAPER)].copy()
+    # What the paper got from this very model is no observation.
+    found = found[(found["verdict"] != NOT_COMPARED) & ~found["this_model"].astype(bool)].copy()
+    found["label"] = found["study"].map(observations.set_index("study")["label"].to_dict())
     birds = species.groupby("species")[["semispan_m", "speed_m_s", "period_s"]].first().loc[found["species"]]
     b, wavelength = birds["semispan_m"].to_numpy(), (birds["speed_m_s"] * birds["period_s"]).to_numpy()
     units = {"m": 1.0 / b, "wingspans": 2.0, "semispans": 1.0, "wavelengths": wavelength / b}
@@ -118,9 +117,7 @@ def _draw_panel(axes: Axes, rows: pd.DataFrame) -> None:
             & (rows["quantity"] == quantity)
             & (rows["basis"] == basis)
         ]
-        year = next((word for word in study.split() if word.isdigit() and len(word) == 4), "")
-        kind = KINDS.get(quantity, "")
-        labels.append(f"{common_name(species)}\n{study.split()[0]} {year}{kind}")
+        labels.append(f"{common_name(species)}\n{own['label'].iloc[0]}{KINDS.get(quantity, '')}")
         axes.axhline(line, color=FAINT, alpha=0.25, linewidth=0.5, zorder=0)
         _draw_published(axes, own.iloc[0], line)
         for number, (_, row) in enumerate(own.iterrows()):
