@@ -289,6 +289,7 @@ class TestMechanism:
 
 class TestObservations:
     BASE = {"study": "Someone 2020", "metric": "m", "basis": "measured", "read": "original", "note": ""}
+    BASE |= {"this_model": False, "label": "Someone 2020"}
 
     def verdict(self, rows, samples=None, **observation):
         """Compare one made-up observation of the swan with its force-optimal V."""
