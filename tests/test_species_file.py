@@ -1,6 +1,7 @@
 """A species file: units become SI, rules fill gaps, and whatever is wrong is said in one line that helps."""
 
 import itertools
+import json
 import math
 import os
 import re
@@ -12,6 +13,7 @@ from upwash.errors import UpwashError
 from upwash.species import load_species
 from upwash.species.library import LIBRARY_FOLDER
 from upwash.species.quantity import QUANTITIES
+from upwash.species.template import write_template
 
 IBIS = (LIBRARY_FOLDER / "northern-bald-ibis.toml").read_text(encoding="utf-8")
 GOOSE = (LIBRARY_FOLDER / "greylag-goose.toml").read_text(encoding="utf-8")
@@ -233,7 +235,6 @@ MALFORMED = {
         "line",
     ),
     "tables without end": (lambda: "mass = " + "[" * 5000, "TOML syntax"),
-    "no tables at all": (lambda: "", "common_name"),
     "no TOML at all": (lambda: "<html><body>404</body></html>", "TOML syntax", "line 1"),
     "number without end": (lambda: with_line(IBIS, "mass", "value", f"value = 1{'0' * 5000}"), "TOML syntax"),
     "bytes that are no text": (lambda: b"\xff\xfe\x00", "UTF-8"),
@@ -299,6 +300,73 @@ class TestMalformed:
 
     def test_a_path_with_a_line_break_stays_one_line(self, tmp_path):
         assert_one_helpful_line(checked(tmp_path / "a\nb.toml"), "no such file")
+
+
+class TestSeveralMistakes:
+    def test_all_that_is_open_is_said_at_once(self, tmp_path):
+        path = write_template("My bird", tmp_path)
+        lines = checked(path).stderr.splitlines()
+        opened = [
+            line for line in path.read_text(encoding="utf-8").splitlines() if re.match(r'\w+ = "\?"', line)
+        ]
+        assert len(lines) == len(opened) == 17
+        assert all(line.startswith(f"Error: {path}: ") and "found '?'" in line for line in lines)
+        report = json.loads(CliRunner().invoke(main, ["species", "check", "--json", str(path)]).stdout)
+        assert [f"Error: {one}" for one in report["files"][0]["errors"]] == lines
+
+    def test_an_empty_file_lacks_every_name_and_table(self, tmp_path):
+        path = tmp_path / "bird.toml"
+        path.write_text("")
+        needed = [name for name, kind in QUANTITIES.items() if not kind.optional]
+        said = checked(path).stderr
+        assert len(said.splitlines()) == 2 + len(needed)
+        assert all(f"[{name}]: expected this table" in said for name in needed)
+
+    def test_elsewhere_it_is_one_line_that_says_how_many(self, tmp_path):
+        path = write_template("My bird", tmp_path)
+        with pytest.raises(
+            UpwashError, match=r"scientific_name: .*\(16 more: 'upwash species check "
+        ) as refused:
+            load_species(path)
+        assert "\n" not in str(refused.value)
+
+    def test_what_a_rule_lacks_is_said_once_where_it_is_wrong(self, tmp_path):
+        text = with_table(GOOSE, "speed", '[speed]\nrule = "alerstam-2007"\n\n')
+        path = tmp_path / "bird.toml"
+        path.write_text(with_line(text, "mass", "value", 'value = "?"'), encoding="utf-8")
+        assert_one_helpful_line(checked(path), "[mass] value")
+
+
+class TestOtherNames:
+    """Names that people look for, and what stands for them here."""
+
+    @pytest.mark.parametrize(
+        ("name", "says"),
+        [
+            ("semispan", "write wingspan, which is twice the semispan"),
+            ("semispan_m", "write wingspan, which is twice the semispan"),
+            ("period_s", "write wingbeat_frequency, which is one over the period"),
+            ("wingspan_m", "did you mean 'wingspan'?"),
+        ],
+    )
+    def test_in_a_species_file(self, tmp_path, name, says):
+        path = tmp_path / "bird.toml"
+        path.write_text(f"{IBIS}\n[{name}]\nvalue = 1\n", encoding="utf-8")
+        assert_one_helpful_line(checked(path), says)
+
+    @pytest.mark.parametrize(
+        ("name", "says"),
+        [
+            ("wingspan_m", "write semispan_m, which is half of the wingspan"),
+            ("wingspan_cm", "write semispan_m, which is half of the wingspan"),
+            ("wingspan", "write semispan_m, which is half of the wingspan"),
+            ("wingbeat_frequency_hz", "write period_s, which is one over the frequency"),
+            ("speed", "did you mean 'speed_m_s'?"),
+        ],
+    )
+    def test_as_an_input_that_is_set(self, name, says):
+        result = CliRunner().invoke(main, ["optimum", "mute-swan", "--set", f"{name}=1"])
+        assert_one_helpful_line(result, says)
 
 
 class TestFinding:

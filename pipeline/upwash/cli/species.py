@@ -125,8 +125,8 @@ def show(name: str, json_output: bool) -> None:
 def check(files: tuple[str, ...], json_output: bool) -> None:
     """Check species files: units, ranges, rules, dimensionless groups; warn of what is not measured.
 
-    Without a FILE the whole library is checked. A FILE may also be a name in the library. The exit code is 2
-    if a file is wrong; warnings leave it 0.
+    All that is wrong in a file is said at once. Without a FILE the whole library is checked. A FILE may also
+    be a name in the library. The exit code is 2 if a file is wrong; warnings leave it 0.
 
     \b
     Example:
@@ -135,6 +135,7 @@ def check(files: tuple[str, ...], json_output: bool) -> None:
     """
     from upwash.species import load_species
     from upwash.species.caveats import comparison_caveats, species_caveats
+    from upwash.species.file import WrongFile
     from upwash.species.library import REFERENCE, library_paths
 
     reference = load_species(REFERENCE)
@@ -145,11 +146,14 @@ def check(files: tuple[str, ...], json_output: bool) -> None:
             one = load_species(name)
             caveats = species_caveats(one, reference)
         except UpwashError as error:
-            reports.append({"file": name, "ok": False, "error": str(error), "warnings": []})
-            click.echo(f"Error: {error}", err=True)
+            mistakes = error.mistakes if isinstance(error, WrongFile) else [str(error)]
+            wrong = {"error": mistakes[0], "errors": mistakes, "warnings": []}
+            reports.append({"file": name, "ok": False, **wrong})
+            for mistake in mistakes:
+                click.echo(f"Error: {mistake}", err=True)
             continue
         good.append(one)
-        reports.append({"file": name, "ok": True, "error": None, "warnings": caveats})
+        reports.append({"file": name, "ok": True, "error": None, "errors": [], "warnings": caveats})
         if not json_output:
             click.echo(f"ok  {one.slug}")
         for caveat in caveats:

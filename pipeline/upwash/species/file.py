@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -34,6 +36,36 @@ class SpeciesFile:
     note: str
 
 
+class WrongFile(UpwashError):
+    """A species file with something wrong in it.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    mistakes : list of str
+        One line each, the first of which the message is.
+    """
+
+    def __init__(self, path: Path, mistakes: list[str]) -> None:
+        more = len(mistakes) - 1
+        rest = f" ({more} more: 'upwash species check {path}' says them all)" if more else ""
+        super().__init__(mistakes[0] + rest)
+        self.mistakes = mistakes
+
+
+# What people ask for by another name -> what there is, and how to get at it.
+OTHERWISE_NAMED = {
+    "wingspan": "semispan_m, which is half of the wingspan",
+    "wing_span": "semispan_m, which is half of the wingspan",
+    "semispan": "wingspan, which is twice the semispan",
+    "frequency": "period_s, which is one over the frequency",
+    "wingbeat_frequency": "period_s, which is one over the frequency",
+    "period": "wingbeat_frequency, which is one over the period",
+    "wingbeat_period": "wingbeat_frequency, which is one over the period",
+}
+
+
 def printable(value: object) -> str:
     """A value from outside, short and on one line."""
     text = repr(value)
@@ -41,8 +73,11 @@ def printable(value: object) -> str:
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """Name the nearest of `names`, or list them all where none is near."""
+    """Name what stands for a name among `names`, or the nearest of them, or list them all where none is near."""
     names = list(names)
+    plain = re.sub(r"_(m|cm|s|hz)$", "", name.lower())
+    if OTHERWISE_NAMED.get(plain, "").partition(",")[0] in names:
+        return f"write {OTHERWISE_NAMED[plain]}"
     near = get_close_matches(name, names, n=1, cutoff=0.6)
     return f"did you mean {near[0]!r}?" if near else f"choose from {', '.join(names)}"
 
@@ -65,7 +100,8 @@ def read_species_file(path: Path, ibis: Callable[[], Mapping[str, Quantity]]) ->
     Raises
     ------
     UpwashError
-        If it cannot be read, or something in it is missing, unknown, of the wrong kind or out of bounds.
+        If it cannot be read, or something in it is missing, unknown, of the wrong kind or out of bounds;
+        a `WrongFile` holds all such mistakes at once.
     """
     return _Reader(path, ibis).read()
 
@@ -76,6 +112,17 @@ class _Reader:
     def __init__(self, path: Path, ibis: Callable[[], Mapping[str, Quantity]]) -> None:
         self.path = path
         self.ibis = ibis
+        self.tables: dict[str, dict[str, Any]] = {}
+        self.mistakes: list[str] = []
+
+    @contextmanager
+    def noting(self) -> Iterator[None]:
+        """Note a mistake and go on, so that one reading finds them all."""
+        try:
+            yield
+        except UpwashError as error:
+            if str(error) not in self.mistakes:
+                self.mistakes.append(str(error))
 
     def error(self, where: str, expected: str, found: str, remedy: str) -> UpwashError:
         """Build the one line that says what is wrong, where, and what to do."""
@@ -86,22 +133,30 @@ class _Reader:
         content = self.parse()
         known = [*NAMES, "note", *QUANTITIES, "formation"]
         self.refuse_unknown(content, known, "top level")
-        common_name, scientific_name = (self.text(content, key, "top level") for key in NAMES)
-        tables = {
-            name: self.table(content, name)
-            for name, kind in QUANTITIES.items()
-            if self.needed(content, name, kind)
-        }
+        names: dict[str, str] = {}
+        for key in (*NAMES, "note"):
+            with self.noting():
+                names[key] = self.text(content, key, "top level", optional=key == "note")
+        for name, kind in QUANTITIES.items():
+            with self.noting():
+                if self.needed(content, name, kind):
+                    self.tables[name] = self.table(content, name)
         quantities: dict[str, Quantity] = {}
         # Rules compute from stated values, so those are read first.
-        for name in sorted(tables, key=lambda name: "rule" in tables[name]):
-            quantities[name] = self.quantity(name, tables[name], quantities)
+        for name in sorted(self.tables, key=lambda name: "rule" in self.tables[name]):
+            with self.noting():
+                quantity = self.quantity(name, self.tables[name], quantities)
+                if quantity:
+                    quantities[name] = quantity
+        formation = None
+        with self.noting():
+            formation = self.formation(content)
+        if self.mistakes:
+            raise WrongFile(self.path, self.mistakes)
         return SpeciesFile(
-            common_name=common_name,
-            scientific_name=scientific_name,
             quantities={name: quantities[name] for name in QUANTITIES if name in quantities},
-            formation=self.formation(content),
-            note=self.text(content, "note", "top level", optional=True),
+            formation=formation,
+            **names,
         )
 
     def parse(self) -> dict[str, Any]:
@@ -171,15 +226,27 @@ class _Reader:
             )
         return table
 
-    def quantity(self, name: str, table: Mapping[str, Any], known: Mapping[str, Quantity]) -> Quantity:
-        """Read a quantity; a rule supplies what the table leaves out."""
+    def quantity(self, name: str, table: Mapping[str, Any], known: Mapping[str, Quantity]) -> Quantity | None:
+        """Read a quantity; a rule supplies what the table leaves out. None if a mistake in it is noted."""
         where, kind = f"[{name}]", QUANTITIES[name]
         self.refuse_unknown(table, QUANTITY_KEYS, where)
         filled = self.rule(name, table, known) if "rule" in table else None
-        value, low, high = (
-            getattr(filled, key) if filled and key not in table else self.number(table, key, name)
-            for key in ("value", "low", "high")
-        )
+        if "rule" in table and not filled:
+            return None
+        before = len(self.mistakes)
+        numbers: list[float] = []
+        for key in ("value", "low", "high"):
+            with self.noting():
+                taken = filled and key not in table
+                numbers.append(getattr(filled, key) if taken else self.number(table, key, name))
+        basis, source = (filled.basis, filled.source) if filled else ("", "")
+        with self.noting():
+            basis = self.choice(table, "basis", BASES, where) if "basis" in table or not filled else basis
+        with self.noting():
+            source = self.text(table, "source", where) if "source" in table or not filled else source
+        if len(self.mistakes) > before:
+            return None
+        value, low, high = numbers
         if not low <= value <= high:
             raise self.error(
                 where,
@@ -194,7 +261,6 @@ class _Reader:
                 f"{value:g}",
                 "delete the value, or the rule if it is not the rule's",
             )
-        basis = self.choice(table, "basis", BASES, where) if "basis" in table or not filled else filled.basis
         if filled and basis != filled.basis:
             raise self.error(
                 f"{where} basis", f"{filled.basis!r} with rule {filled.rule!r}", printable(basis), "delete it"
@@ -205,7 +271,7 @@ class _Reader:
             low=low,
             high=high,
             basis=basis,
-            source=self.text(table, "source", where) if "source" in table or not filled else filled.source,
+            source=source,
             rule=filled.rule if filled else "",
             sample=self.sample(table, where),
             note=self.text(table, "note", where, optional=True),
@@ -250,8 +316,8 @@ class _Reader:
             raise self.error(f"{where} {key}", quoted, found, "write one of these")
         return value
 
-    def rule(self, name: str, table: Mapping[str, Any], known: Mapping[str, Quantity]) -> Quantity:
-        """What the rule that a table names gives for this bird."""
+    def rule(self, name: str, table: Mapping[str, Any], known: Mapping[str, Quantity]) -> Quantity | None:
+        """What the rule that a table names gives for this bird; None if it needs what is wrong itself."""
         where = f"[{name}] rule"
         kind = QUANTITIES[name]
         if not kind.rules:
@@ -266,6 +332,8 @@ class _Reader:
             )
         rule = RULES[rule_name]
         missing = [need for need in rule.needs if need not in known]
+        if any(need in self.tables or not QUANTITIES[need].optional for need in missing):
+            return None
         if missing:
             raise self.error(
                 where,
