@@ -69,8 +69,8 @@ class TestJson:
     def test_holds_the_inputs_once_and_every_bird(self, record):
         assert (record["birds"], record["shape"], record["reading"]) == (3, "vee", "lone")
         assert [one["bird"] for one in record["flock"]] == [1, 2, 3]
-        assert {"leader_amplitude_m", *of.names(of.belonging(of.JOB, of.OPTIMUM))} <= set(record["flock"][2])
-        assert "mass_kg" not in record["flock"][2]
+        assert {"ahead_amplitude_m", *of.names(of.belonging(of.JOB, of.OPTIMUM))} <= set(record["flock"][2])
+        assert not {"mass_kg", "leader_amplitude_m"} & set(record["flock"][2])
 
     def test_holds_what_taking_turns_brings(self, record):
         assert [one["birds"] for one in record["turns"]] == [2, 3]

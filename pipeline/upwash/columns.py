@@ -8,7 +8,7 @@ is made.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 SCHEMA_VERSION = 2
@@ -169,6 +169,7 @@ _choice = partial(Column, unit="", type=TEXT, agreement=EXACT, belongs=PROBLEM, 
 _rule = partial(_choice, belongs=FLOCK, listed=(JOBS,))
 _count = partial(Column, unit="1", type=INTEGER, agreement=EXACT, belongs=PROBLEM, verified=IDENTITY)
 _place = partial(Column, agreement=PLACE, belongs=BIRD, verified=CHAIN, format=".3f")
+_ahead = partial(Column, agreement=PLACE, belongs=BIRD, verified=CHAIN, absent=LEADING)
 _bird = partial(_count, belongs=BIRD, verified=CHAIN, listed=(OPTIMA,))
 _found = partial(Column, agreement=PLACE, belongs=OPTIMUM, verified=FOUND, format=".4f", listed=(OPTIMA,))
 _relative = partial(_found, absent=LEADING, listed=(JOBS, OPTIMA))
@@ -222,6 +223,10 @@ COLUMNS = (
     _id("flock_id", description="the flock: its job's id", belongs=BIRD),
     _bird("bird", description="number of the bird, 1 the leader", head="bird"),
     _bird("leader", description="number of the bird that it follows", absent=LEADING, head="follows"),
+    _ahead("ahead_amplitude_m", "m", "tip-to-tip flapping amplitude of the bird that it follows"),
+    _ahead(
+        "ahead_upstroke_span_ratio", "1", "upstroke span over downstroke span of the bird that it follows"
+    ),
     _place("x_flock_m", "m", "downstream of the first bird", head="x"),
     _place("y_flock_m", "m", "right of the first bird", head="y"),
     _place("z_flock_m", "m", "above the first bird", head="z", format="+.3f"),
@@ -387,17 +392,8 @@ def column(name: str) -> Column:
     return next(one for one in COLUMNS if one.name == name)
 
 
-# In a flock's rows the leader is the bird that a row's bird follows, so but for the first its stroke is an outcome.
-STROKE_AHEAD = {
-    "leader_amplitude_m": "tip-to-tip flapping amplitude of the bird that it follows",
-    "leader_upstroke_span_ratio": "upstroke span over downstroke span of the bird that it follows",
-}
-
 OF_A_PAIR = (OUTCOME, PROBLEM, SEARCH, JOB, OPTIMUM, EFFORT, PROOF)
 SOLUTIONS_COLUMNS = belonging(*OF_A_PAIR)
 SUMMARY_COLUMNS = belonging(*OF_A_PAIR, PAIR_SUMMARY)
-FLOCK_COLUMNS = tuple(
-    replace(one, description=STROKE_AHEAD[one.name], agreement=PLACE) if one.name in STROKE_AHEAD else one
-    for one in belonging(*OF_A_PAIR, FLOCK, BIRD)
-)
+FLOCK_COLUMNS = belonging(*OF_A_PAIR, FLOCK, BIRD)
 FLOCK_SUMMARY_COLUMNS = belonging(OUTCOME, PROBLEM, SEARCH, FLOCK, FLOCK_SUMMARY)

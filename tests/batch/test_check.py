@@ -199,7 +199,8 @@ class TestFlocks:
         )
 
     def test_a_flock_that_ends_early_says_so_and_keeps_its_birds(self, birds):
-        lost = dict.fromkeys(birds[3]) | {name: birds[3][name] for name in (*IDENTITY, "bird", "leader")}
+        known = (*IDENTITY, "bird", "leader", "ahead_amplitude_m", "ahead_upstroke_span_ratio")
+        lost = dict.fromkeys(birds[3]) | {name: birds[3][name] for name in known}
         ended = [*birds[:3], lost | {"status": "infeasible", "error": "no V optimum: nowhere"}]
         assert of_rows(ended, "here") == []
         (row,) = summary_of(store.table_of(ended, store.FLOCK), "flock").to_pylist()

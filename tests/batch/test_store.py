@@ -18,7 +18,7 @@ from upwash.errors import UpwashError
 from upwash.sweep import Job, read_sweep
 
 # Schema version -> digest of the names, types and units of all columns.
-FORMS = {1: "a06206cb2947ec88", 2: "f9fa9ac504550b55"}
+FORMS = {1: "a06206cb2947ec88", 2: "b23f37e0e620c07d"}
 
 SCHEMAS = {
     "solutions": store.SOLUTIONS,

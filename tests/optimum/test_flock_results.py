@@ -6,6 +6,7 @@ from click.testing import CliRunner
 from upwash import columns as of
 from upwash.batch.check import of_rows
 from upwash.batch.compare import compare
+from upwash.batch.job import job_of as stored_job
 from upwash.batch.job import solve
 from upwash.batch.store import FLOCK, encode, provenance, table_of
 from upwash.cli import main
@@ -66,8 +67,21 @@ def test_a_row_states_the_stroke_of_the_bird_that_is_followed():
     rows = rows_of(**CHOICES[2])
     for row in rows[1:]:
         ahead = rows[row["leader"] - 1]
-        assert row["leader_amplitude_m"] == ahead["amplitude_m"]
-        assert row["leader_upstroke_span_ratio"] == ahead["upstroke_span_ratio"]
+        assert row["ahead_amplitude_m"] == ahead["amplitude_m"]
+        assert row["ahead_upstroke_span_ratio"] == ahead["upstroke_span_ratio"]
+    assert rows[0]["ahead_amplitude_m"] is rows[0]["ahead_upstroke_span_ratio"] is None
+
+
+def test_every_row_gives_back_its_job():
+    job = job_of(**CHOICES[2])
+    assert {stored_job(row) for row in rows_of(**CHOICES[2])} == {job}
+
+
+def test_a_stroke_ahead_that_is_not_the_leaders_is_noticed():
+    for name in ("ahead_amplitude_m", "ahead_upstroke_span_ratio", "leader_amplitude_m"):
+        rows = rows_of(**CHOICES[0])
+        rows[3][name] *= 1.0 + 1e-9
+        assert {one.column for one in of_rows(rows, "flock")} & {name, "job_id"}
 
 
 def test_the_row_that_ends_a_flock_says_so_and_the_others_are_kept():
@@ -82,10 +96,10 @@ def test_two_runs_agree_though_rounding_reaches_the_next_link():
     rows = rows_of(**CHOICES[0])
     nearly = [dict(row) for row in rows]
     for row in nearly[2:]:
-        row["leader_amplitude_m"] *= 1.0 + 1e-9
+        row["ahead_amplitude_m"] *= 1.0 + 1e-9
     tables = [pa.Table.from_pylist(one, schema=FLOCK) for one in (rows, nearly)]
     assert compare(*tables).agrees
-    nearly[2]["leader_amplitude_m"] *= 1.001
+    nearly[2]["ahead_amplitude_m"] *= 1.001
     assert not compare(tables[0], pa.Table.from_pylist(nearly, schema=FLOCK)).agrees
 
 

@@ -61,12 +61,11 @@ def bird_of(inputs):
     return Bird(*(inputs[name] for name in names), *stroke, inputs["circulation_ratio"])
 
 
-def row_of(species, objective, inputs, place, rank, kind="pair", bird=None):
-    """Return one row of results; `bird` sets weight and drag, the row's own if not given."""
+def row_of(species, objective, inputs, place, rank, kind="pair", ahead=None):
+    """Return one row of results; `ahead` is how the bird ahead flaps, as the bird does alone if not given."""
     x, y, z, amplitude, ratio, phase = place
     pose = Pose(x, y, z, Stroke(amplitude, ratio), phase)
-    bird = bird or bird_of(inputs)
-    ahead = Stroke(inputs["leader_amplitude_m"], inputs["leader_upstroke_span_ratio"])
+    bird = bird_of(inputs)
     labels = (
         f"{species} {objective} {inputs['amplitude_convention']} {inputs['speed_m_s']} {inputs['mass_kg']}"
     )
@@ -77,7 +76,7 @@ def row_of(species, objective, inputs, place, rank, kind="pair", bird=None):
         "objective": objective,
         "status": of.SOLVED,
         "kind": kind,
-        **vars(record(bird, objective, ahead, pose, WakeModel())),
+        **vars(record(bird, objective, ahead or bird.stroke, pose, WakeModel())),
         # The optima are known to a few digits.
         "residual_lift": 0.0,
         "residual_thrust": 0.0,
@@ -149,16 +148,15 @@ def flock_rows(birds=6):
     """Return flocks of both objectives and readings: a chain in which every step is the pair's V optimum."""
     rows = []
     for objective, places in OPTIMA.items():
-        x, y, z, amplitude, ratio, phase = places[1]
+        x, y, z, _, _, phase = places[1]
         for reading in ("immediate", "lone"):
-            inputs = dict(IBIS)
-            first = bird_of(inputs)
+            ahead = None
             flock = {"birds": birds, "shape": "echelon", "wake": "neighbour", "reading": reading}
             job_id = id_of(objective + reading)
             for number in range(1, birds + 1):
                 leads = number == 1
                 own = (0.0, 0.0, 0.0, IBIS["leader_amplitude_m"], 0.4, 0.0) if leads else places[1]
-                row = row_of("northern-bald-ibis", objective, inputs, own, 1, "flock", first)
+                row = row_of("northern-bald-ibis", objective, IBIS, own, 1, "flock", ahead)
                 step = number - 1
                 rows.append(
                     row
@@ -171,9 +169,10 @@ def flock_rows(birds=6):
                     }
                     | {"x_flock_m": x * step, "y_flock_m": y * step, "z_flock_m": z * step}
                     | {"phase_flock": phase * step % 1.0}
+                    | ({"ahead_amplitude_m": ahead.amplitude_m} if ahead else {})
+                    | ({"ahead_upstroke_span_ratio": ahead.span_ratio} if ahead else {})
                 )
-                if number > 1:
-                    inputs |= {"leader_amplitude_m": amplitude, "leader_upstroke_span_ratio": ratio}
+                ahead = Stroke(*own[3:5])
     return rows
 
 

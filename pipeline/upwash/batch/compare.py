@@ -109,8 +109,7 @@ def compare(first: pa.Table, second: pa.Table) -> Comparison:
     shared = [key for key in keys if key in other_places]
     left = first.take(pa.array([places[key] for key in shared], pa.int64()))
     right = second.take(pa.array([other_places[key] for key in shared], pa.int64()))
-    known = of.FLOCK_COLUMNS if "bird" in first.column_names else of.COLUMNS
-    compared = [column for column in known if column.name in first.column_names]
+    compared = [column for column in of.COLUMNS if column.name in first.column_names]
     compared += [
         of.Column(field.name, "", "", of.FLOAT if field.type == pa.float64() else of.TEXT)
         for field in own_fields(first.schema)
@@ -136,11 +135,6 @@ def _keys(table: pa.Table) -> list[tuple[Any, ...]]:
     """
     names = [name for name in (*KEY, "bird") if name in table.column_names]
     values = {name: [_plain(value) for value in table.column(name).to_pylist()] for name in names}
-    for name in of.STROKE_AHEAD if "bird" in names else ():
-        # Of a flock's rows the first bird's states the input.
-        for place, bird in enumerate(values["bird"]):
-            if bird is not None and bird > 1:
-                values[name][place] = values[name][place - 1]
     counts: dict[tuple[Any, ...], int] = {}
     keys = []
     for key in zip(*values.values(), strict=True):

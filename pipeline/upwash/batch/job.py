@@ -334,18 +334,20 @@ def recompute(rows: Sequence[Row]) -> list[Row]:
     return [_expected(bird, job, row, rows) if row["status"] == of.SOLVED else {} for row in rows]
 
 
-def bounds_of(row: Row, first: Row) -> dict[str, tuple[float, float]]:
-    """Return the bounds of a solved row's variables; `first` is the job's first row."""
+def bounds_of(row: Row) -> dict[str, tuple[float, float]]:
+    """Return the bounds of a solved row's variables."""
     from upwash.optimum import problem
 
     streamwise = problem.STREAMWISE_REACH * row["speed_m_s"] * row["period_s"]
     spanwise = problem.SPANWISE_REACH * row["semispan_m"]
-    limit = (first if row.get("reading") == "lone" else row)["leader_amplitude_m"]
+    alone = row["leader_amplitude_m"]
+    ahead = row["ahead_amplitude_m"] if row["kind"] == "flock" else alone
+    limit = alone if row.get("reading") == "lone" else ahead
     return {
         "x_m": (0.0, streamwise),
         # A flock's birds may fly on either side of the one ahead.
         "y_m": (-spanwise if row["kind"] == "flock" else 0.0, spanwise),
-        "z_m": (-row["leader_amplitude_m"], row["leader_amplitude_m"]),
+        "z_m": (-ahead, ahead),
         "amplitude_m": (problem.LEAST_AMPLITUDE * limit, limit),
         "upstroke_span_ratio": problem.SPAN_RATIO_BOUNDS,
         "phase": (0.0, 1.0),
@@ -375,7 +377,8 @@ def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[Any, Any]]:
 
     if row.get("bird") == 1:
         return
-    ahead = Stroke(row["leader_amplitude_m"], row["leader_upstroke_span_ratio"])
+    bird = "ahead" if job.kind == "flock" else "leader"
+    ahead = Stroke(row[f"{bird}_amplitude_m"], row[f"{bird}_upstroke_span_ratio"])
     yield ahead, Pose(row["x_m"], row["y_m"], row["z_m"], stroke(row), row["phase"])
     if job.kind == "flock":
         for number in _rules(job).felt_by(row["bird"])[:-1]:

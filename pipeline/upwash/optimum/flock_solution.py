@@ -102,10 +102,10 @@ class FlockSolution:
     def _row(self, one: Member) -> dict[str, Cell]:
         row: dict[str, Cell] = {"status": "solved", "error": None, "bird": one.number}
         row["leader"] = one.leader or None
-        ahead = self.members[one.leader - 1].place if one.leader else one.place
+        ahead = self.members[one.leader - 1].place if one.leader else None
         if ahead is not None:
-            row["leader_amplitude_m"] = ahead.pose.stroke.amplitude_m
-            row["leader_upstroke_span_ratio"] = ahead.pose.stroke.span_ratio
+            row["ahead_amplitude_m"] = ahead.pose.stroke.amplitude_m
+            row["ahead_upstroke_span_ratio"] = ahead.pose.stroke.span_ratio
         if one.proof is not None:
             row |= one.proof.columns() | {"solve_time_s": one.solve_time_s}
         if one.place is None:

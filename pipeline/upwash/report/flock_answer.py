@@ -114,8 +114,7 @@ def flock_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
         The job's inputs by column, under ``flock`` the other columns of each bird, and under ``turns`` what
         taking turns brings, by size.
     """
-    # A stroke is also that of the bird that a row's bird follows.
-    shared = {"job_id", "flock_id", *INPUTS} - set(of.STROKE_AHEAD)
+    shared = {"job_id", "flock_id", *INPUTS}
     savings = [row["saving_total"] for row in rows if row["status"] == of.SOLVED]
     return {
         **{name: rows[0][name] for name in ("job_id", *INPUTS)},

@@ -50,10 +50,9 @@ def with_leader(birds: pd.DataFrame) -> pd.DataFrame:
         ``profile_ratio``: amplitude, upstroke span ratio, induced and profile power over the first bird's.
     """
     ordered = birds.sort_values("bird").reset_index(drop=True)
-    first = ordered.iloc[0]
     return ordered.assign(
-        amplitude_ratio=ordered["amplitude_m"] / first["leader_amplitude_m"],
-        span_ratio_ratio=ordered["upstroke_span_ratio"] / first["leader_upstroke_span_ratio"],
+        amplitude_ratio=ordered["amplitude_m"] / ordered["leader_amplitude_m"],
+        span_ratio_ratio=ordered["upstroke_span_ratio"] / ordered["leader_upstroke_span_ratio"],
         induced_ratio=ordered["power_induced_w"] / ordered["leader_power_induced_w"],
         profile_ratio=ordered["power_profile_w"] / ordered["leader_power_profile_w"],
     )
