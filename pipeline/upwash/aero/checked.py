@@ -66,8 +66,8 @@ class Rule:
         Whether it holds for a value.
     becomes : callable, optional
         What a value that fits is made into, as in 1 into 1.0.
-    then : tuple of Rule
-        Rules that must hold as well.
+    then : tuple of (str, callable)
+        The words of what must hold as well, and whether it does.
 
     Examples
     --------
@@ -82,15 +82,15 @@ class Rule:
     words: str
     holds: Callable[[Any], bool]
     becomes: Callable[[Any], Any] | None = None
-    then: tuple[Rule, ...] = ()
+    then: tuple[tuple[str, Callable[[Any], bool]], ...] = ()
 
     def broken_by(self, value: object) -> str:
         """Return what was expected instead of a value, or "" if it fits."""
         if not self.holds(value):
             return self.words
-        for rule in self.then:
-            if expected := rule.broken_by(value):
-                return expected
+        for words, holds in self.then:
+            if not holds(value):
+                return words
         return ""
 
     def __call__(self, name: str, value: Any) -> Any:
@@ -102,7 +102,7 @@ class Rule:
 
     def __and__(self, other: Rule) -> Rule:
         """Return the rule that both make."""
-        return replace(self, then=(*self.then, other))
+        return replace(self, then=(*self.then, (other.words, other.holds), *other.then))
 
     def __or__(self, other: Rule) -> Rule:
         """Return the rule that a value fits if it fits one of the two."""

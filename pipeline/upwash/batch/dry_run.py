@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import random
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from upwash import columns as of
-from upwash.batch.estimate import estimate
+from upwash.batch.estimate import MOST_TRIALS, estimate
 from upwash.batch.folder import ResultsFolder, Shard
 from upwash.batch.index import Known, read_index
-from upwash.batch.listing import inputs_in, labels
+from upwash.batch.listing import inputs_in, label_by
 from upwash.batch.progress import duration
 from upwash.batch.selection import in_shard, is_to_run
 
 if TYPE_CHECKING:
     from upwash.batch.job import Job
+    from upwash.sweep import Sweep
+
+TELL_EVERY_S = 5.0
 
 FEW_CHANGES = 3
 """A job that differs from an earlier one in more inputs than this is a new one."""
@@ -40,8 +45,8 @@ class Foresight:
 
     Parameters
     ----------
-    jobs : list of Foreseen
-        In the order of the sweep.
+    jobs : int
+        How many there are.
     to_run : int
         How many would run.
     seconds : float or None
@@ -54,7 +59,7 @@ class Foresight:
         Whether it was measured by jobs of this folder.
     """
 
-    jobs: list[Foreseen]
+    jobs: int
     to_run: int
     seconds: float | None
     workers: int
@@ -63,7 +68,7 @@ class Foresight:
 
     def words(self) -> str:
         """Return the whole in one line."""
-        count = f"{self.to_run} of {len(self.jobs)} jobs would run"
+        count = f"{self.to_run} of {self.jobs} jobs would run"
         if self.seconds is None:
             return f"{count}; how long that takes is not known: {self.judged_by}"
         if not self.to_run:
@@ -75,27 +80,73 @@ class Foresight:
 
 
 def foresee(
-    jobs: Sequence[Job],
+    sweep: Sweep,
     folder: ResultsFolder,
     shard: Shard,
     retry_failed: bool,
     workers: int,
+    show: Callable[[Foreseen], None],
     tell: Callable[[str], None] = lambda line: None,
 ) -> Foresight:
-    """Say of each job of a sweep whether a run would do it, and why; nothing is written."""
-    jobs = [job for job in jobs if in_shard(job.job_id, shard)]
+    """Say of each job of a sweep whether a run would do it, and why; nothing is written.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep, whose jobs are made one after another and not kept.
+    folder : ResultsFolder
+        Where results would go.
+    shard : Shard
+        The part of the jobs that is looked at.
+    retry_failed : bool
+        Whether failed jobs would be done again.
+    workers : int
+        How many would work.
+    show : callable
+        Takes what is foreseen of each job, in the order of the sweep.
+    tell : callable
+        Takes a line every few seconds, on what takes a moment.
+    """
     known = read_index(folder, verify=True) if folder.path.is_dir() else {}
-    earlier = _Earlier(folder, known.keys() - {job.job_id for job in jobs}) if known else None
-    label = labels([job.inputs() for job in jobs])
-    foreseen = []
-    for job in jobs:
+    earlier = None
+    if known:
+        named = {job.job_id for job in sweep.stream() if job.job_id in known}
+        earlier = _Earlier(folder, known.keys() - named)
+    label = label_by(sweep.varied)
+    trials = _Trials()
+    jobs, told = 0, monotonic()
+    for job in sweep.stream():
+        if not in_shard(job.job_id, shard):
+            continue
+        jobs += 1
         runs = is_to_run(known.get(job.job_id), retry_failed)
+        if runs:
+            trials.offer(job)
         reason = _reason(job, known.get(job.job_id), retry_failed, earlier)
-        foreseen.append(Foreseen(job.job_id, label(job.inputs()), runs, reason))
-    to_run = [job for job, one in zip(jobs, foreseen, strict=True) if one.runs]
-    each = estimate(to_run, folder, tell)
-    seconds = None if each.seconds is None else len(to_run) * each.seconds / workers
-    return Foresight(foreseen, len(to_run), seconds, workers, each.by, each.is_experience)
+        show(Foreseen(job.job_id, label(job.inputs()), runs, reason))
+        if jobs % 1000 == 0 and monotonic() - told > TELL_EVERY_S:
+            told = monotonic()
+            tell(f"{jobs} jobs listed")
+    each = estimate(trials.jobs, folder, tell)
+    seconds = None if each.seconds is None else trials.offered * each.seconds / workers
+    return Foresight(jobs, trials.offered, seconds, workers, each.by, each.is_experience)
+
+
+class _Trials:
+    """A few of the jobs that would run, each as likely as any other, to be solved for an estimate."""
+
+    def __init__(self) -> None:
+        self.jobs: list[Job] = []
+        self.offered = 0
+        self._random = random.Random(0)
+
+    def offer(self, job: Job) -> None:
+        """Take one more job, perhaps in the place of another."""
+        self.offered += 1
+        if len(self.jobs) < MOST_TRIALS:
+            self.jobs.append(job)
+        elif (place := self._random.randrange(self.offered)) < MOST_TRIALS:
+            self.jobs[place] = job
 
 
 def _reason(job: Job, known: Known | None, retry_failed: bool, earlier: _Earlier | None) -> str:

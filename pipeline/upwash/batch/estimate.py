@@ -44,7 +44,7 @@ def estimate(jobs: Sequence[Job], folder: ResultsFolder, tell: Callable[[str], N
     Parameters
     ----------
     jobs : sequence of Job
-        Those to be done.
+        Those to be done, or some of them.
     folder : ResultsFolder
         Where others may have been done before.
     tell : callable

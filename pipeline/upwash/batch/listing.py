@@ -64,11 +64,18 @@ def inputs_in(folder: ResultsFolder, job_ids: set[str]) -> Iterator[dict[str, An
 
 def labels(inputs: Collection[dict[str, Any]]) -> Callable[[dict[str, Any]], str]:
     """Return a function that names a job, given its inputs, by what varies among those of several."""
-    apart = (*ALWAYS, *of.names(of.belonging(of.OUTCOME)))
+    apart = of.names(of.belonging(of.OUTCOME))
     names = [name for name in next(iter(inputs), ()) if name not in apart]
-    varied = [name for name in names if len({row[name] for row in inputs}) > 1]
+    return label_by({name for name in names if len({row[name] for row in inputs}) > 1})
+
+
+def label_by(varied: Collection[str]) -> Callable[[dict[str, Any]], str]:
+    """Return a function that names a job, given its inputs, by those that vary."""
     return lambda row: " ".join(
-        [*(row[name] for name in ALWAYS), *(f"{name}={_short(row[name])}" for name in varied)]
+        [
+            *(row[name] for name in ALWAYS),
+            *(f"{name}={_short(row[name])}" for name in row if name in varied and name not in ALWAYS),
+        ]
     )
 
 

@@ -110,7 +110,7 @@ def solve_and_check(sweep: str, folder: ResultsFolder) -> str:
     from upwash.sweep import read_sweep
 
     read = read_sweep(sweep)
-    plan = Plan(read.name, read.jobs[0].kind, read.text, [job.job_id for job in read.jobs])
+    plan = Plan(read.name, read.kind, read.text, [job.job_id for job in read.jobs])
     tally = run_sweep(read.jobs, plan, folder, Options(workers=WORKERS), sys.stderr)
     if tally.failed:
         _say(f"{folder}: {tally.failed} of {tally.jobs} jobs failed; see 'upwash status {folder}'")

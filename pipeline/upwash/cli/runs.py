@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
+from textwrap import indent
 from typing import Any
 
 import click
@@ -23,6 +26,22 @@ def _say(line: str) -> None:
 
 def _print_json(value: Any) -> None:
     click.echo(json.dumps(value, indent=2, allow_nan=False))
+
+
+def _print_foresight(plan_ahead: Callable[..., Any]) -> None:
+    """Print what is foreseen as JSON, job by job as they come."""
+    before = "["
+
+    def show(job: Any) -> None:
+        nonlocal before
+        click.echo(f"{before}\n{indent(json.dumps(asdict(job), indent=2), '    ')}", nl=False)
+        before = ","
+
+    click.echo('{\n  "jobs": ', nl=False)
+    foresight = asdict(plan_ahead(show, _say))
+    del foresight["jobs"]
+    none = "[" if before == "[" else ""
+    click.echo(f"{none}\n  ],{json.dumps(foresight, indent=2, allow_nan=False)[1:]}")
 
 
 class ShardType(click.ParamType):
@@ -82,22 +101,26 @@ def run(
         raise UpwashError(
             "--backend dask and --scheduler ADDRESS: expected both or neither, found one; add the other"
         )
-    read = read_sweep(sweep)
+    read = read_sweep(sweep, _say)
     folder = ResultsFolder(results or f"results/{read.name}")
     if dry_run:
         from upwash.batch.dry_run import foresee
 
-        foresight = foresee(read.jobs, folder, shard, retry_failed, workers, _say)
+        plan_ahead = partial(foresee, read, folder, shard, retry_failed, workers)
         if as_json:
-            _print_json(asdict(foresight))
+            _print_foresight(plan_ahead)
         else:
-            for job in foresight.jobs:
-                click.echo(f"{job.job_id}  {'run ' if job.runs else 'keep'}  {job.label}  ({job.reason})")
+            foresight = plan_ahead(
+                lambda job: click.echo(
+                    f"{job.job_id}  {'run ' if job.runs else 'keep'}  {job.label}  ({job.reason})"
+                ),
+                _say,
+            )
             _say(foresight.words())
         return
     from upwash.batch.runner import Interrupted, Options, run_sweep
 
-    plan = Plan(read.name, read.jobs[0].kind, read.text, [job.job_id for job in read.jobs])
+    plan = Plan(read.name, read.kind, read.text, [job.job_id for job in read.jobs])
     options = Options(workers, backend, scheduler or "", shard, retry_failed, fail_fast)
     try:
         tally = run_sweep(read.jobs, plan, folder, options, sys.stderr)

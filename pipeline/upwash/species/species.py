@@ -204,10 +204,6 @@ class Species:
                 f"{self.slug}: stroke_half_angle_deg: expected amplitude = 'stroke-angle' and no amplitude_m "
                 "beside it, since it sets the amplitude; leave one of them out"
             )
-        # An amplitude is judged below, and first as one that wings can make.
-        self._refuse_implausible(
-            {name: value for name, value in inputs.items() if name != "amplitude_m"}, overrides
-        )
         wingspan = 2.0 * inputs["semispan_m"]
         if amplitude == "stroke-angle":
             by_convention = wingspan * math.sin(math.radians(half_angle))
@@ -217,6 +213,9 @@ class Species:
             by_convention = self.reference_amplitude_m * (wavelength / self.reference_wavelength_m)
         inputs.setdefault("amplitude_m", by_convention)
         if inputs["amplitude_m"] > wingspan:
+            self._refuse_implausible(
+                {name: value for name, value in inputs.items() if name != "amplitude_m"}, overrides
+            )
             origin = "" if "amplitude_m" in overrides else f" by convention {amplitude!r}"
             raise ImpossibleAmplitude(
                 f"{self.slug}: amplitude_m{origin}: expected at most the wingspan, {wingspan:.4g}, that is "
@@ -229,10 +228,13 @@ class Species:
 
     def _refuse_implausible(self, inputs: Mapping[str, float], overrides: Mapping[str, float]) -> None:
         """Complain of inputs that were set and with which it is no bird; its file was judged when it was read."""
-        groups = {name: value for name, value in groups_of(inputs).items() if GROUPS[name].inputs}
-        for name in groups if overrides else ():
-            for sentence in outside({name: groups[name]}, "possible"):
-                changed = [one for one in overrides if one in GROUPS[name].inputs] or list(overrides)
+        if not overrides:
+            return
+        for name, value in groups_of(inputs).items():
+            group = GROUPS[name]
+            if group.inputs and not group.possible[0] <= value <= group.possible[1]:
+                changed = [one for one in overrides if one in group.inputs] or list(overrides)
+                (sentence,) = outside({name: value}, "possible")
                 raise UpwashError(f"{self.slug}, {', '.join(changed)}: {sentence}")
 
 

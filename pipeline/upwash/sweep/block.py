@@ -30,6 +30,7 @@ COLUMN = {
 GIVEN = "given"
 
 Choice = dict[str, Any]
+Point = dict[str, Setting]
 
 
 @dataclass(frozen=True)
@@ -53,20 +54,27 @@ class Sample:
         own = species.ranges(convention)
         return {name: (*own[name], False) for name in self.parameters or own}
 
-    def points(self, species: Species, convention: str) -> list[dict[str, Setting]]:
-        """Return the design's points for one species; the same points of the unit cube for each."""
+    def points(self, species: Species, convention: str) -> Iterator[Point]:
+        """Give the design's points for one species; the same points of the unit cube for each."""
         ranges = self.ranges_of(species, convention)
-        return [
-            {
+        for point in unit_sample(self.method, self.count, len(ranges), self.seed):
+            shares = zip(ranges.items(), point.tolist(), strict=True)
+            yield {
                 name: Setting(low + (high - low) * share, relative)
-                for (name, (low, high, relative)), share in zip(ranges.items(), point, strict=True)
+                for (name, (low, high, relative)), share in shares
             }
-            for point in unit_sample(self.method, self.count, len(ranges), self.seed)
-        ]
 
     def size(self, species: Species, convention: str) -> int:
         """Return how many points the design has for one species."""
         return self.count * (len(self.ranges_of(species, convention)) + 2 if self.method == "saltelli" else 1)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Parameters that are varied side by side: their `names`, and a row of settings for each point."""
+
+    names: tuple[str, ...]
+    rows: list[tuple[Setting, ...]]
 
 
 @dataclass(frozen=True)
@@ -100,8 +108,8 @@ class Block:
         Input of a job other than the parameters (``objective``, ``amplitude``, ``seed``, …) -> its values.
     fixed : dict
         Parameter -> setting, for every job.
-    axes : list
-        Each a list of points, a point being parameter -> setting.
+    axes : list of Axis
+        Each a list of points.
     sample : Sample or None
         A sampled design, crossed with the rest.
     exclusions : list of dict
@@ -113,14 +121,14 @@ class Block:
     species: list[Species]
     choices: dict[str, list[Any]]
     fixed: dict[str, Setting]
-    axes: list[list[dict[str, Setting]]]
+    axes: list[Axis]
     sample: Sample | None
     exclusions: list[dict[str, Condition]]
 
     def size(self) -> int:
         """Return the number of jobs before exclusions."""
         others = [values for name, values in self.choices.items() if name != "amplitude"]
-        per_bird = math.prod(map(len, [*self.axes, *others]))
+        per_bird = math.prod(map(len, [*(axis.rows for axis in self.axes), *others]))
         birds = itertools.product(self.species, self.choices["amplitude"])
         return sum(per_bird * (self.sample.size(*bird) if self.sample else 1) for bird in birds)
 
@@ -134,14 +142,20 @@ class Block:
         """
         others = {name: values for name, values in self.choices.items() if name != "amplitude"}
         for species, convention in itertools.product(self.species, self.choices["amplitude"]):
-            axes = [*self.axes, self.sample.points(species, convention)] if self.sample else self.axes
             for values in itertools.product(*others.values()):
                 choice = {**dict(zip(others, values, strict=True)), "amplitude": convention}
-                for points in itertools.product(*axes):
-                    point = self.fixed | {name: setting for one in points for name, setting in one.items()}
+                for point in self._points(species, convention):
                     job = self._job(species, choice, point)
                     met = (i for i, one in enumerate(self.exclusions) if _meets(job, one))
                     yield job, next(met, None)
+
+    def _points(self, species: Species, convention: str) -> Iterator[Point]:
+        """Give what is set, one point of axes and sample after another, the last varying fastest."""
+        names = [name for axis in self.axes for name in axis.names]
+        for rows in itertools.product(*(axis.rows for axis in self.axes)):
+            point = self.fixed | dict(zip(names, itertools.chain(*rows), strict=True))
+            for sampled in self.sample.points(species, convention) if self.sample else ({},):
+                yield point | sampled
 
     def _job(self, species: Species, choice: Choice, point: Mapping[str, Setting]) -> Job:
         convention = choice["amplitude"]

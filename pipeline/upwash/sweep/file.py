@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+from array import array
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 from upwash.aero.checked import finite, whole_from
@@ -14,10 +18,10 @@ from upwash.errors import UpwashError
 from upwash.shipped import shipped
 from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
 from upwash.species.file import did_you_mean, printable
-from upwash.sweep.block import Block, Condition, Sample
+from upwash.sweep.block import Axis, Block, Condition, Sample
 from upwash.sweep.choices import CHOICES, PARAMETERS, WHOLE, rule_of
 from upwash.sweep.entry import Entry, read_toml
-from upwash.sweep.job import BUILT_IN_SOLVER, FLOCK_CHOICES, Job
+from upwash.sweep.job import BUILT_IN_SOLVER, FLOCK_CHOICES, ID_BYTES, Job
 from upwash.sweep.solver import own_solver
 from upwash.sweep.values import MAX_POINTS, SAMPLERS, Setting, is_number, sampling_range, settings
 
@@ -41,6 +45,7 @@ TEXT_INPUTS = ("species", "objective", "amplitude", *FLOCK_CHOICES)
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,79}")
 SOLVER = re.compile(rf"{BUILT_IN_SOLVER}|[A-Za-z_][\w.]*:[A-Za-z_]\w*")
 MAX_JOBS = 1_000_000
+TELL_EVERY_S = 5.0
 SAMPLES = whole_from(1, MAX_POINTS, "a sweep has no more jobs")
 
 
@@ -54,13 +59,40 @@ class Sweep:
         Safe to use as a folder's name.
     text : str
         The file's own text.
-    jobs : list of Job
-        Each once, in the order of the file.
+    kind : str
+        ``pair`` or ``flock``.
+    count : int
+        Number of jobs.
+    varied : frozenset of str
+        Inputs that are not the same in all jobs.
+    blocks : tuple of Block
+        What the jobs are made of.
+    repeated : frozenset of str
+        Ids of the jobs that more than one block asks for.
     """
 
     name: str
     text: str
-    jobs: list[Job]
+    kind: str
+    count: int
+    varied: frozenset[str]
+    blocks: tuple[Block, ...]
+    repeated: frozenset[str]
+
+    def stream(self) -> Iterator[Job]:
+        """Make the jobs, each once, in the order of the file; however many there are, none is kept."""
+        given: set[str] = set()
+        for block in self.blocks:
+            for job, exclusion in block.jobs():
+                if exclusion is None and job.job_id not in given:
+                    if job.job_id in self.repeated:
+                        given.add(job.job_id)
+                    yield job
+
+    @cached_property
+    def jobs(self) -> list[Job]:
+        """All jobs, each once, in the order of the file."""
+        return list(self.stream())
 
 
 def find_sweep(name_or_path: str | os.PathLike[str]) -> Path:
@@ -86,8 +118,17 @@ def find_sweep(name_or_path: str | os.PathLike[str]) -> Path:
     raise UpwashError(f"sweep: {expected}, found {printable(text)}; {did_you_mean(text, names)}")
 
 
-def read_sweep(name_or_path: str | os.PathLike[str]) -> Sweep:
-    """Read and check a sweep file as a whole, and make its jobs.
+def read_sweep(
+    name_or_path: str | os.PathLike[str], tell: Callable[[str], None] = lambda line: None
+) -> Sweep:
+    """Read and check a sweep file as a whole, every job that it makes included.
+
+    Parameters
+    ----------
+    name_or_path : str or path
+        As for `find_sweep`.
+    tell : callable
+        Takes a line every few seconds where the jobs are very many.
 
     Raises
     ------
@@ -113,15 +154,47 @@ def read_sweep(name_or_path: str | os.PathLike[str]) -> Sweep:
             raise solver.error(str(error)) from error
     reader = _BlockReader(path.parent, kind, solver.value)
     tables = keys["block"].tables() if "block" in keys else [top.at({})]
-    jobs: dict[str, Job] = {}
-    for table in tables:
-        for job in reader.jobs(table, keys):
-            jobs.setdefault(job.job_id, job)
-    if not jobs or len(jobs) > MAX_JOBS:
-        raise top.error(
-            f"expected 1 to {MAX_JOBS} jobs, found {len(jobs)}; split the sweep or add a [[block]]"
-        )
-    return Sweep(name.value, text, list(jobs.values()))
+    checked = [reader.block(table, keys) for table in tables]
+    seen = _Seen(top, sum(block.size() for block, _ in checked), tell)
+    for _, jobs in checked:
+        for job in jobs:
+            seen.add(job)
+    count, repeated = seen.counted()
+    if not 1 <= count <= MAX_JOBS:
+        raise top.error(f"expected 1 to {MAX_JOBS} jobs, found {count}; split the sweep or add a [[block]]")
+    blocks = tuple(block for block, _ in checked)
+    return Sweep(name.value, text, kind, count, frozenset(seen.varied), blocks, repeated)
+
+
+class _Seen:
+    """What is kept of the jobs while they are checked: eight bytes each, and which of their inputs vary."""
+
+    def __init__(self, top: Entry, expected: int, tell: Callable[[str], None]) -> None:
+        self.top = top
+        self.expected = expected
+        self.tell = tell
+        self.ids = array("Q")
+        self.first: dict[str, Any] = {}
+        self.varied: set[str] = set()
+        self.told = monotonic()
+
+    def add(self, job: Job) -> None:
+        """Take note of a job."""
+        self.ids.append(int(job.job_id, 16))
+        inputs = job.inputs()
+        self.first = self.first or inputs
+        if inputs != self.first:
+            self.varied.update(name for name, value in inputs.items() if value != self.first[name])
+        if len(self.ids) % 1000 == 0 and monotonic() - self.told > TELL_EVERY_S:
+            self.told = monotonic()
+            self.tell(f"{self.top.file}: {len(self.ids)} of {self.expected} jobs checked")
+
+    def counted(self) -> tuple[int, frozenset[str]]:
+        """Return how many different jobs there are, and the ids of those that were seen more than once."""
+        import numpy as np
+
+        ids, times = np.unique(np.frombuffer(self.ids, dtype=np.uint64), return_counts=True)
+        return len(ids), frozenset(f"{job_id:0{2 * ID_BYTES}x}" for job_id in ids[times > 1].tolist())
 
 
 @dataclass(frozen=True)
@@ -145,8 +218,8 @@ class _BlockReader:
         self.solver = solver
         self.loaded: dict[str, Species] = {}
 
-    def jobs(self, table: Entry, shared: dict[str, Entry]) -> list[Job]:
-        """Return a block's jobs; what it leaves out is taken from the top of the file."""
+    def block(self, table: Entry, shared: dict[str, Entry]) -> tuple[Block, Iterator[Job]]:
+        """Return a block, and its jobs as they are checked; what it leaves out is taken from the top of the file."""
         own = table.table(BLOCK_KEYS)
         keys = {key: entry for key, entry in shared.items() if key in BLOCK_KEYS} | own
         # A key of the block replaces the file's; only the fixed values add up.
@@ -170,8 +243,8 @@ class _BlockReader:
             _check_own_ranges(block, keys["sample"])
         if block.size() > MAX_JOBS:
             raise table.error(f"expected at most {MAX_JOBS} jobs, found {block.size()}; shorten the lists")
-        places = [*fixed.values(), *(one for axis in axes for one in axis)]
-        return _expand(block, table, keys, places)
+        places = [one.entry for one in (*fixed.values(), *(one for axis in axes for one in axis))]
+        return block, _checked_jobs(block, table, keys, places)
 
     def species(self, table: Entry, keys: dict[str, Entry]) -> list[Species]:
         """Return the birds."""
@@ -256,10 +329,9 @@ def _zip(entry: Entry) -> list[_Varied]:
     return axis
 
 
-def _points(axis: list[_Varied]) -> list[dict[str, Setting]]:
-    names = [one.name for one in axis]
-    rows = zip(*(one.settings for one in axis), strict=True)
-    return [dict(zip(names, row, strict=True)) for row in rows]
+def _points(axis: list[_Varied]) -> Axis:
+    names = tuple(one.name for one in axis)
+    return Axis(names, list(zip(*(one.settings for one in axis), strict=True)))
 
 
 def _sample(entry: Entry) -> Sample:
@@ -333,21 +405,20 @@ def _condition(name: str, entry: Entry) -> Condition:
     raise entry.unexpected("a name or a list of names" if is_text else numbers)
 
 
-def _expand(block: Block, table: Entry, keys: dict[str, Entry], places: list[_Varied]) -> list[Job]:
+def _checked_jobs(block: Block, table: Entry, keys: dict[str, Entry], places: list[Entry]) -> Iterator[Job]:
     """Make a block's jobs; a value that makes no bird is blamed on its line."""
-    kept, used = [], set()
+    used = set()
     try:
         for job, exclusion in block.jobs():
             used.add(exclusion)
             if exclusion is None:
-                kept.append(job)
+                yield job
     except UpwashError as error:
-        named = [one.entry for one in places if f" {one.name}:" in str(error)]
+        named = [place for place in places if f" {place.path[-1]}:" in str(error)]
         where = named[0] if named else keys["sample"] if block.sample else table
         raise where.error(str(error)) from error
     for number, entry in enumerate(_tables(keys.get("exclude"))):
         if number not in used:
             raise entry.error("expected to exclude some job, found none that fits; correct or delete it")
-    if not kept:
+    if None not in used:
         raise keys["exclude"].error("expected to leave some job, found all excluded; loosen the conditions")
-    return kept

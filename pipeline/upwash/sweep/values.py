@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 SAMPLERS = ("latin-hypercube", "sobol", "saltelli")
 MAX_POINTS = 1_000_000
@@ -14,7 +18,7 @@ LARGEST = 2**63 - 1
 _ROWS = ("linspace", "geomspace")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Setting:
     """A value of a parameter: in its own unit, or as a factor on the species' own value."""
 
@@ -85,7 +89,7 @@ def sampling_range(spec: Any) -> tuple[float, float, bool]:
     return float(ends[0]), float(ends[1]), relative
 
 
-def unit_sample(method: str, count: int, dimensions: int, seed: int) -> list[list[float]]:
+def unit_sample(method: str, count: int, dimensions: int, seed: int) -> NDArray[np.float64]:
     """Return points of the unit cube.
 
     Parameters
@@ -103,21 +107,23 @@ def unit_sample(method: str, count: int, dimensions: int, seed: int) -> list[lis
 
     Returns
     -------
-    list of list of float
+    (n, dimensions) ndarray of float
         `count` points, or ``count * (dimensions + 2)`` for ``saltelli``.
     """
+    import numpy as np
     from scipy.stats import qmc
 
     if method == "latin-hypercube":
-        return qmc.LatinHypercube(dimensions, rng=seed).random(count).tolist()
+        return qmc.LatinHypercube(dimensions, rng=seed).random(count)
     if method == "sobol":
-        return qmc.Sobol(dimensions, scramble=True, rng=seed).random(count).tolist()
-    pairs = qmc.Sobol(2 * dimensions, scramble=True, rng=seed).random(count).tolist()
-    points = []
-    for pair in pairs:
-        a, b = pair[:dimensions], pair[dimensions:]
-        points += [a, *([*a[:i], b[i], *a[i + 1 :]] for i in range(dimensions)), b]
-    return points
+        return qmc.Sobol(dimensions, scramble=True, rng=seed).random(count)
+    pairs = qmc.Sobol(2 * dimensions, scramble=True, rng=seed).random(count)
+    first, second = pairs[:, :dimensions], pairs[:, dimensions:]
+    points = np.repeat(first[:, None, :], dimensions + 2, axis=1)
+    for column in range(dimensions):
+        points[:, 1 + column, column] = second[:, column]
+    points[:, -1] = second
+    return points.reshape(-1, dimensions)
 
 
 def _open_table(spec: dict[str, Any], only_one: bool) -> tuple[str, Any, bool]:
