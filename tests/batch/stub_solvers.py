@@ -120,3 +120,20 @@ def threads(job):
 
 def unknown_column_when_heavy(job):
     return "solved", "", [row(job, **{"wingspan_in_feet": 4.0} if job.mass_kg > 1.25 else {})]
+
+
+def mixed(job):
+    """Be solved below 1.2 kg, infeasible below 1.3 kg, and fail beyond, unless the fault is mended."""
+    log(job.job_id)
+    if 1.2 <= job.mass_kg < 1.3:
+        return "infeasible", "nowhere to fly", []
+    if job.mass_kg >= 1.3 and not is_mended():
+        raise ZeroDivisionError("a bird too heavy")
+    return "solved", "", [row(job)]
+
+
+def lasting(job):
+    log(f"begun:{job.job_id}")
+    time.sleep(0.3)
+    log(f"ended:{job.job_id}")
+    return "solved", "", [row(job)]
