@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from upwash.aero.induction import ring_velocity_gradient
-from upwash.aero.interaction import phase_piece, span_nodes, state_circulation_ratio, wake_force
+from upwash.aero.interaction import phase_piece, state_circulation_ratio, wake_force
 from upwash.aero.lanes import (
     ALONG_X,
     ALONG_Z,
@@ -29,6 +29,7 @@ from upwash.aero.lanes import (
     wake_lanes,
 )
 from upwash.aero.pose import Pose, Stroke
+from upwash.aero.span_integral import span_nodes
 from upwash.aero.wake import WakeModel, vortex_wake
 
 LEADER = 1.04, 0.4  # amplitude in m, upstroke span ratio

@@ -81,7 +81,10 @@ def test_a_bird_is_made_of_positive_numbers(name, value):
             {"upstroke_span_ratio": 1.0},
             "upstroke_span_ratio: expected a ratio strictly between 0 and 1, found 1.0",
         ),
-        ({"circulation_ratio": -0.5}, "circulation_ratio: expected a positive, finite number, found -0.5"),
+        (
+            {"circulation_ratio": -0.5},
+            "circulation_ratio: expected a finite number that is not negative, found -0.5",
+        ),
         ({"amplitude_m": 1.3}, "amplitude_m: expected at most twice the semispan .*1.2 m.*, found 1.3"),
         (
             {"upstroke_span_ratio": 0.8},

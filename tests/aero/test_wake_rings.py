@@ -164,7 +164,7 @@ def test_the_spanwise_rule_puts_the_mean_wingtip_on_the_tip_vortex():
         ({"core_radius_ratio": 0.0}, "core_radius_ratio: expected a positive, finite number, found 0.0"),
         ({"core_radius_ratio": math.nan}, "core_radius_ratio: expected a positive, finite number, found nan"),
         ({"stroke_states": 1}, "stroke_states: expected a whole number of at least 2, found 1"),
-        ({"span_nodes": 0}, "span_nodes: expected a whole number of at least 2, found 0"),
+        ({"span_nodes": 0}, "span_nodes: expected exact or a whole number of at least 2, found 0"),
     ],
 )
 def test_what_a_wake_model_may_not_be(changes, says):

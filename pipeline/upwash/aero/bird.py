@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from upwash.aero.checked import REACH, check_fields, must_be, ratio
+from upwash.aero.checked import REACH, check_fields, must_be, not_negative, ratio
 from upwash.aero.pose import Stroke
 
 _SOME = must_be(REACH)
@@ -40,7 +40,8 @@ class Bird:
     upstroke_span_ratio : float
         Projected span on the upstroke over that on the downstroke when flying alone, R, in (0, 1).
     circulation_ratio : float, optional
-        Circulation of the upstroke wake over that of the downstroke wake; the paper takes 1.
+        Circulation of the upstroke wake over that of the downstroke wake; the paper takes 1, and with 0 an upstroke
+        leaves nothing.
 
     Raises
     ------
@@ -64,7 +65,7 @@ class Bird:
     gravity_m_s2: float = field(metadata=_SOME)
     amplitude_m: float = field(metadata=_SOME)
     upstroke_span_ratio: float = field(metadata=_SHARE)
-    circulation_ratio: float = field(default=1.0, metadata=_SOME)
+    circulation_ratio: float = field(default=1.0, metadata=must_be(not_negative))
 
     def __post_init__(self) -> None:
         check_fields(self)

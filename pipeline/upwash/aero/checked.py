@@ -137,6 +137,11 @@ finite = Rule("a finite number", _is_finite, float)
 positive = Rule("a positive, finite number", lambda value: _is_finite(value) and value > 0, float)
 """A number above 0."""
 
+not_negative = Rule(
+    "a finite number that is not negative", lambda value: _is_finite(value) and value >= 0, float
+)
+"""0 or a number above it."""
+
 ratio = Rule("a ratio strictly between 0 and 1", lambda value: _is_finite(value) and 0 < value < 1, float)
 """A number above 0 and below 1."""
 

@@ -14,8 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from upwash.aero.bird import Bird
 from upwash.aero.induction import fill_velocity
-from upwash.aero.interaction import phase_weights, span_nodes, state_circulation_ratio
+from upwash.aero.interaction import phase_weights, state_circulation_ratio
 from upwash.aero.pose import Pose, Stroke
+from upwash.aero.span_integral import span_nodes
 from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
 from upwash.kernel import kernel
 
@@ -148,7 +149,7 @@ def force_map(
     """
     if plane not in PLANES:
         raise ValueError(f"plane: expected one of {', '.join(PLANES)}, found {plane!r}")
-    model = model or WakeModel()
+    model = (model or WakeModel()).of_points()
     first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     axis = COORDINATES.index(PLANES[plane])
     if plane == "xk":

@@ -15,9 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
+from upwash.aero.endless import endless_wind, endless_window
 from upwash.aero.induction import velocity
 from upwash.aero.pose import Pose, Stroke
-from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
+from upwash.aero.span_integral import ring_velocity, span_antiderivative, span_nodes
+from upwash.aero.wake import WakeModel, stroke_height, vortex_wake, wake_at_phases
+from upwash.aero.wingbeat import wingbeat_steps
 
 
 def phase_weights(phase: float, stroke_states: int = 2) -> NDArray[np.float64]:
@@ -61,13 +64,6 @@ def phase_piece(piece: int, stroke_states: int = 2) -> tuple[NDArray[np.float64]
     return start, (end - start) * stroke_states
 
 
-def span_nodes(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return nodes across the span in [−1, 1] and their trapezoidal weights, which sum to 1 (eqn:integral_approx)."""
-    weights = np.full(count, 1.0 / (count - 1))
-    weights[[0, -1]] *= 0.5
-    return np.linspace(-1.0, 1.0, count), weights
-
-
 def state_circulation_ratio(bird: Bird, state: int, stroke_states: int) -> float:
     """Circulation of a follower's wing in a stroke state over that of its downstroke; linear in the tip's height."""
     raised = stroke_height(state / stroke_states) + 0.5
@@ -100,6 +96,11 @@ def state_forces(
         state k.  With N = 2, state 0 is "up" and state 1 is "down".
     """
     model = model or WakeModel()
+    if model.stroke_rule != "held" or model.is_endless:
+        raise ValueError(
+            "model: expected birds that are held in stroke states behind a wake that ends, "
+            f"found stroke_rule {model.stroke_rule!r} and wavelengths {model.wavelengths!r}"
+        )
     states, b = model.stroke_states, bird.semispan_m
     wake = vortex_wake(
         ahead.amplitude_m,
@@ -111,25 +112,114 @@ def state_forces(
         states,
         model.wavelengths,
     )
-    nodes, weights = span_nodes(model.span_nodes)
+    steps = wingbeat_steps(model)
+    circulation = bird.circulation_m2_s * steps.circulation(bird.circulation_ratio)
     forces = np.empty((states, states, 2))
     for k in range(states):
-        fixed, flexed = stroke_span(k / states)
-        half_span = b * (fixed + flexed * pose.stroke.span_ratio)
-        points = np.empty((nodes.size, 3))
-        points[:, 0] = pose.x_m
-        points[:, 1] = pose.y_m + half_span * nodes
-        points[:, 2] = pose.z_m + pose.stroke.amplitude_m * stroke_height(k / states)
-        circulation = bird.circulation_m2_s * state_circulation_ratio(bird, k, states)
+        half_span = b * ((1.0 - steps.flexed[k]) + steps.flexed[k] * pose.stroke.span_ratio)
+        height = pose.stroke.amplitude_m * steps.height[k]
         for j in range(states):
             of_state = wake.state == j
-            wind = velocity(
-                points, wake.rings[of_state], wake.circulation[of_state], model.core_radius_ratio * b
+            mean = _mean_wind(
+                pose,
+                half_span,
+                height,
+                wake.rings[of_state],
+                wake.circulation[of_state],
+                model.core_radius_ratio * b,
+                model,
             )
-            mean = weights @ wind
             # v × ŷ = (−v_z, 0, v_x): streamwise velocity lifts, upwash pulls forward.
-            forces[j, k] = bird.density_kg_m3 * circulation * 2.0 * half_span * mean[[0, 2]]
+            forces[j, k] = bird.density_kg_m3 * circulation[k] * 2.0 * half_span * mean
     return forces
+
+
+def _mean_wind(
+    pose: Pose,
+    half_span: float,
+    height: float,
+    rings: NDArray[np.float64],
+    circulation: NDArray[np.float64],
+    core_radius: float,
+    model: WakeModel,
+) -> NDArray[np.float64]:
+    """Return v_x and v_z of rings, averaged over a span that is raised by a height."""
+    x, y, z = pose.position_m
+    if not isinstance(model.span_nodes, int):
+        ends = [
+            np.array(
+                span_antiderivative(x, y + side, z + height, rings, circulation, core_radius, model.core)
+            )
+            for side in (half_span, -half_span)
+        ]
+        return (ends[0] - ends[1]) / (2.0 * half_span)
+    nodes, weights = span_nodes(model.span_nodes)
+    points = np.empty((nodes.size, 3))
+    points[:, 0] = x
+    points[:, 1] = y + half_span * nodes
+    points[:, 2] = z + height
+    if model.core == "rankine":
+        wind = velocity(points, rings, circulation, core_radius)
+    else:
+        wind = ring_velocity(points, rings, circulation, core_radius, model.core)
+    return (weights @ wind)[[0, 2]]
+
+
+def _gauss_force(bird: Bird, ahead: Stroke, pose: Pose, model: WakeModel) -> NDArray[np.float64]:
+    """Return lift and thrust behind a wake that ends, both birds being followed through the wingbeat."""
+    steps, b = wingbeat_steps(model), bird.semispan_m
+    wake = wake_at_phases(
+        list(steps.phase + pose.phase),
+        ahead.amplitude_m,
+        ahead.span_ratio,
+        b,
+        bird.wavelength_m,
+        bird.circulation_m2_s,
+        bird.circulation_ratio,
+        model.wavelengths,
+    )
+    half_span = b * ((1.0 - steps.flexed) + steps.flexed * pose.stroke.span_ratio)
+    per_wind = bird.density_kg_m3 * bird.circulation_m2_s * steps.circulation(bird.circulation_ratio)
+    force = np.zeros(2)
+    for k in range(steps.phase.size):
+        mean = _mean_wind(
+            pose,
+            half_span[k],
+            pose.stroke.amplitude_m * steps.height[k],
+            wake.rings[wake.state == k],
+            wake.circulation[wake.state == k],
+            model.core_radius_ratio * b,
+            model,
+        )
+        force += steps.weight[k] * per_wind[k] * 2.0 * half_span[k] * mean
+    return force
+
+
+def _endless_force(bird: Bird, ahead: Stroke, pose: Pose, model: WakeModel) -> NDArray[np.float64]:
+    """Return lift and thrust behind an endless wake, which goes by the spatial phase x/λ − κ."""
+    steps, b = wingbeat_steps(model), bird.semispan_m
+    shed = (
+        ahead.amplitude_m,
+        ahead.span_ratio,
+        b,
+        bird.wavelength_m,
+        bird.circulation_m2_s,
+        bird.circulation_ratio,
+    )
+    windows = endless_window(True, *shed), endless_window(False, *shed)
+    half_span = b * ((1.0 - steps.flexed) + steps.flexed * pose.stroke.span_ratio)
+    wind = endless_wind(
+        windows,
+        pose.x_m / bird.wavelength_m - pose.phase,
+        (pose.y_m, pose.z_m),
+        pose.stroke.amplitude_m,
+        half_span,
+        bird.wavelength_m,
+        model.core_radius_ratio * b,
+        model,
+    )
+    per_wind = bird.density_kg_m3 * bird.circulation_m2_s * steps.circulation(bird.circulation_ratio)
+    return np.asarray((steps.weight * per_wind * 2.0 * half_span) @ wind)
 
 
 def wake_force(
@@ -159,8 +249,13 @@ def wake_force(
     (0.4, 0.53)
     """
     model = model or WakeModel()
-    forces = state_forces(bird, ahead, pose, model)
-    lift, thrust = np.tensordot(phase_weights(pose.phase, model.stroke_states), forces, axes=2)
+    if model.is_endless:
+        lift, thrust = _endless_force(bird, ahead, pose, model)
+    elif model.stroke_rule == "gauss":
+        lift, thrust = _gauss_force(bird, ahead, pose, model)
+    else:
+        forces = state_forces(bird, ahead, pose, model)
+        lift, thrust = np.tensordot(phase_weights(pose.phase, model.stroke_states), forces, axes=2)
     return float(lift), float(thrust)
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.induction import FAST, FOUR_PI, ring_velocity_gradient
-from upwash.aero.interaction import span_nodes
+from upwash.aero.span_integral import span_nodes
 from upwash.aero.wake import Wake, stroke_height, stroke_span
 from upwash.kernel import kernel
 
@@ -38,7 +38,7 @@ def wake_lanes(
     sliding: NDArray[np.float64],
     follower_circulation: NDArray[np.float64],
     stroke_states: int,
-    node_count: int,
+    node_count: int | str,
 ) -> NDArray[np.float64]:
     """Lay out the lanes for a wake.
 

@@ -11,12 +11,22 @@ Frame: origin at the leader's reference point, x downstream, y to the right, z u
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.aero.checked import check_fields, must_be, positive, whole_from, within
+from upwash.aero.checked import (
+    Rule,
+    WrongInput,
+    check_fields,
+    must_be,
+    one_of,
+    positive,
+    whole_from,
+    within,
+)
 
 ROLL_UP = math.pi / 4.0
 """Half-distance of the rolled-up tip vortices over the wing's half-span (Hummel 1983)."""
@@ -27,26 +37,42 @@ CORE_RADIUS_RATIO = 0.171
 _CORE = positive & within(
     1e-3, 1.0, "in semispans: a core is thicker than a line and thinner than a wing is long"
 )
-_FINENESS = whole_from(2, 1000, "the wake's force has long converged, and more only takes time")
-_LENGTH = whole_from(1, 1000, "so far back a wake is no longer felt, and more only takes time")
+FINENESS = whole_from(2, 1000, "the wake's force has long converged, and more only takes time")
+"""What a number of stroke states or of points across the span must be."""
+
+LENGTH = whole_from(1, 1000, "so far back a wake is no longer felt, and more only takes time")
+"""What a number of wavelengths must be."""
+
+_ENDLESS = Rule("math.inf", lambda value: isinstance(value, float) and value == math.inf)
 
 
 @dataclass(frozen=True)
 class WakeModel:
-    """How finely a wake and its action on a follower are resolved.
+    """How finely a wake and its action on a follower are resolved, and what is assumed where the paper says nothing.
 
     The defaults are the paper's.
 
     Parameters
     ----------
-    core_radius_ratio : float
-        Radius of the Rankine core over the semispan.
     stroke_states : int
-        Number N of states in which leader and follower are each held during a wingbeat, at least 2.
-    span_nodes : int
-        Number of points across the follower's span at which the wake's velocity is taken, at least 2.
-    wavelengths : int
-        Length of a wake, in wavelengths, at least 1: further downstream the frozen pattern repeats itself.
+        Number N of states in which a wingbeat is told, at least 2.
+    stroke_rule : str
+        ``held``: the birds are held in N states that follow one another evenly.  ``gauss``: the time average is
+        taken by N/2 Gauss–Legendre points in each half stroke; N must be even.
+    span_nodes : int or str
+        Number of points across the follower's span at which the wake's velocity is taken, at least 2; ``exact`` for
+        the integral over the span, in closed form.
+    wavelengths : int or float
+        Length of a wake, in wavelengths, at least 1: further downstream the frozen pattern repeats itself.  `math.inf`
+        is a wake that repeats itself for ever, upstream as well.
+    core : str
+        ``rankine`` or ``rosenhead-moore``.
+    core_radius_ratio : float
+        Radius of the core over the semispan.
+    span_law : str
+        Half-span and circulation of the follower through its wingbeat: ``tip``, in step with the height of the tip;
+        ``stroke``, one value in each half stroke, as the rings that it sheds imply.  At the paper's two states both
+        say the same.
 
     Raises
     ------
@@ -57,15 +83,66 @@ class WakeModel:
     --------
     >>> WakeModel(stroke_states=32, span_nodes=41).core_radius_ratio
     0.171
+    >>> WakeModel.named("limit").span_nodes
+    'exact'
+    >>> WakeModel(stroke_states=4).wavelengths
+    1
     """
 
+    stroke_states: int = field(default=2, metadata=must_be(FINENESS))
+    stroke_rule: str = field(default="held", metadata=must_be(one_of(["held", "gauss"])))
+    span_nodes: int | str = field(default=2, metadata=must_be(one_of(["exact"]) | FINENESS))
+    wavelengths: int | float = field(default=1, metadata=must_be(_ENDLESS | LENGTH))
+    core: str = field(default="rankine", metadata=must_be(one_of(["rankine", "rosenhead-moore"])))
     core_radius_ratio: float = field(default=CORE_RADIUS_RATIO, metadata=must_be(_CORE))
-    stroke_states: int = field(default=2, metadata=must_be(_FINENESS))
-    span_nodes: int = field(default=2, metadata=must_be(_FINENESS))
-    wavelengths: int = field(default=1, metadata=must_be(_LENGTH))
+    span_law: str = field(default="tip", metadata=must_be(one_of(["stroke", "tip"])))
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.stroke_rule == "gauss" and self.stroke_states % 2:
+            raise WrongInput(
+                "stroke_states", "an even number (half the points of each half stroke)", self.stroke_states
+            )
+
+    @classmethod
+    def named(cls, name: str) -> WakeModel:
+        """Return a model by its name: ``paper``, the defaults, or ``limit``, what the paper's equations converge to.
+
+        Raises
+        ------
+        ValueError
+            If there is no model of that name.
+        """
+        return _NAMED[one_of(_NAMED)("model", name)]
+
+    def of_points(self) -> WakeModel:
+        """Return the model if its wake ends and is felt in points by birds that are held, or raise a ValueError.
+
+        The force of such a model is a weighted sum of velocities at points.
+        """
+        rules = {
+            "stroke_rule": one_of(["held"]),
+            "span_nodes": FINENESS,
+            "wavelengths": LENGTH,
+            "core": one_of(["rankine"]),
+            "span_law": one_of(["tip", "stroke"] if self.stroke_states == 2 else ["tip"]),
+        }
+        for name, rule in rules.items():
+            rule(name, getattr(self, name))
+        return self
+
+    @property
+    def is_endless(self) -> bool:
+        """Whether the wake has no end."""
+        return self.wavelengths == math.inf
+
+
+_NAMED = {
+    "paper": WakeModel(),
+    "limit": WakeModel(
+        stroke_states=32, stroke_rule="gauss", span_nodes="exact", wavelengths=math.inf, span_law="stroke"
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -138,13 +215,13 @@ def vortex_wake(
     circulation: float,
     circulation_ratio: float = 1.0,
     stroke_states: int = 2,
-    wavelengths: int = 1,
+    wavelengths: int | float = 1,
 ) -> Wake:
     """Return the vortex rings behind a leader in each stroke state.
 
     State j shows the pattern of phase j/N: the frozen chain of rectangles, carried j λ/N downstream of where the end
-    of the upstroke left it, and cut at the leader and one wavelength behind.  With two states nothing is cut and the
-    rings are the paper's eight filaments in its "up" (j = 0) and "down" (j = 1) configurations.
+    of the upstroke left it, and cut at the leader and where the wake ends.  With two states nothing is cut and the
+    rings of one wavelength are the paper's eight filaments in its "up" (j = 0) and "down" (j = 1) configurations.
 
     Parameters
     ----------
@@ -166,10 +243,52 @@ def vortex_wake(
     Wake
         Ring by ring: wavelength by wavelength, in each ordered by state and then downstream.
     """
+    shifts = [wavelength * state / stroke_states for state in range(stroke_states)]
+    stroke = amplitude, upstroke_span_ratio
+    return _cut_wake(shifts, *stroke, semispan, wavelength, circulation, circulation_ratio, wavelengths)
+
+
+def wake_at_phases(
+    phases: Sequence[float],
+    amplitude: float,
+    upstroke_span_ratio: float,
+    semispan: float,
+    wavelength: float,
+    circulation: float,
+    circulation_ratio: float = 1.0,
+    wavelengths: int | float = 1,
+) -> Wake:
+    """Return the vortex rings behind a leader at any phases of its wingbeat, in their order as its states.
+
+    Parameters
+    ----------
+    phases : sequence of float
+        Phases of the leader, 0 being the end of its upstroke.
+    amplitude, upstroke_span_ratio, semispan, wavelength, circulation, circulation_ratio, wavelengths
+        As for `vortex_wake`.
+    """
+    shifts = [wavelength * (phase % 1.0) for phase in phases]
+    stroke = amplitude, upstroke_span_ratio
+    return _cut_wake(shifts, *stroke, semispan, wavelength, circulation, circulation_ratio, wavelengths)
+
+
+def _cut_wake(
+    shifts: Sequence[float],
+    amplitude: float,
+    upstroke_span_ratio: float,
+    semispan: float,
+    wavelength: float,
+    circulation: float,
+    circulation_ratio: float,
+    wavelengths: int | float,
+) -> Wake:
+    """Return the chain of rectangles carried downstream by each shift, cut at the leader and repeated."""
+    if wavelengths == math.inf:
+        raise ValueError("wavelengths: expected a wake that ends, found inf")
+    wavelengths = int(wavelengths)
     half = 0.5 * wavelength
     rings, strengths, states, upstroke = [], [], [], []
-    for state in range(stroke_states):
-        shift = wavelength * state / stroke_states
+    for state, shift in enumerate(shifts):
         # Rectangle k starts at shift + k λ/2 and is an upstroke's when k is even; height is linear within it.
         for k in (-2, -1, 0, 1):
             first, last = max(shift + k * half, 0.0), min(shift + (k + 1) * half, wavelength)
@@ -182,9 +301,9 @@ def vortex_wake(
             strengths.append(circulation * (circulation_ratio if is_up else 1.0))
             states.append(state)
             upstroke.append(is_up)
-    shifts = wavelength * np.arange(wavelengths)[:, None, None]
+    repeats = wavelength * np.arange(wavelengths)[:, None, None]
     return Wake(
-        (np.array(rings) + shifts * [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]).reshape(-1, 6),
+        (np.array(rings) + repeats * [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]).reshape(-1, 6),
         np.tile(strengths, wavelengths),
         np.tile(states, wavelengths),
         np.tile(upstroke, wavelengths),

@@ -285,7 +285,12 @@ def _bird(job: Job) -> Any:
 def _model(job: Job) -> Any:
     from upwash.aero.wake import WakeModel
 
-    return WakeModel(job.core_radius_ratio, job.stroke_states, job.span_nodes, job.wavelengths or 1)
+    return WakeModel(
+        stroke_states=job.stroke_states,
+        span_nodes=job.span_nodes,
+        wavelengths=job.wavelengths or 1,
+        core_radius_ratio=job.core_radius_ratio,
+    )
 
 
 def _search(job: Job) -> Any:

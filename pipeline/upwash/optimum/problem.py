@@ -171,6 +171,7 @@ class PairProblem:
         bird, states = self.bird, self.model.stroke_states
         unit = 2.0 * bird.density_kg_m3 * bird.semispan_m * bird.circulation_m2_s / bird.weight_n
         follower = np.array([unit * state_circulation_ratio(bird, k, states) for k in range(states)])
+        self.model.of_points()
         return wake_lanes(self.wake(), *self.phase_ramp(), follower, states, self.model.span_nodes)
 
     def _constants(self) -> NDArray[np.float64]:

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.induction import velocity
-from upwash.aero.interaction import phase_weights, span_nodes, state_circulation_ratio
+from upwash.aero.interaction import phase_weights, state_circulation_ratio
+from upwash.aero.span_integral import span_nodes
 from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
 from upwash.paper.claim import Cases, Measure, Measures
 from upwash.paper.evidence import OBJECTIVES, Evidence

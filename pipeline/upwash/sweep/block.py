@@ -19,7 +19,7 @@ from upwash.sweep.values import Setting, unit_sample
 STROKE_ANGLE = "stroke_half_angle_deg"
 PAPER = WakeModel()
 # How long wakes are is told of a flock, in its own table.
-RESOLUTION = tuple(entry.name for entry in fields(WakeModel) if entry.name != "wavelengths")
+RESOLUTION = ("core_radius_ratio", "stroke_states", "span_nodes")
 
 # Where a job's inputs are named otherwise than in a sweep file: there they describe the bird ahead.
 COLUMN = {

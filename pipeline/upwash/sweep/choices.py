@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 from upwash.aero.checked import Rule, positive, rules_of, whole_from
-from upwash.aero.wake import WakeModel
+from upwash.aero.wake import FINENESS, LENGTH, WakeModel
 from upwash.optimum.settings import BIRDS, SearchSettings
 from upwash.species.species import INPUT_RULES
 
 CHOICES: dict[str, Rule] = {
     **{name: rules_of(SearchSettings)[name] for name in ("seed", "tolerance")},
     "birds": BIRDS,
-    "wavelengths": rules_of(WakeModel)["wavelengths"],
+    "wavelengths": LENGTH,
 }
 """Inputs that are numbers but no parameters; how long wakes are is told of a flock, in its own table."""
 
 PARAMETERS: dict[str, Rule] = {
     **INPUT_RULES,
-    **{name: rule for name, rule in rules_of(WakeModel).items() if name not in CHOICES},
+    "core_radius_ratio": rules_of(WakeModel)["core_radius_ratio"],
+    "span_nodes": FINENESS,
     "stroke_states": whole_from(
         2, 2, "optima are searched and proved with two states; more serve maps of forces"
     ),

@@ -1,0 +1,1 @@
+"""Kernels of the physics: everything here is compiled."""
