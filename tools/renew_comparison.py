@@ -15,7 +15,7 @@ from pathlib import Path
 import pandas as pd
 from upwash.report.figures.catalogue import draw
 from upwash.report.figures.drawing import save
-from upwash.report.species_tables import NO_V, OURS, with_interval
+from upwash.report.species_tables import NO_V, OURS, marked, with_interval
 from upwash.report.table import Table
 from upwash.report.words import common_name
 from upwash.study.comparison import OBJECTIVES
@@ -57,7 +57,7 @@ def savings(compared: pd.DataFrame) -> Table:
     for problem in PROBLEMS:
         of_problem = [rows.loc[(species, *problem)] for species in loading.index]
         frame[", ".join(problem)] = [
-            with_interval(row, SAVING[0]) if row["has_v"] else NO_V for row in of_problem
+            marked(with_interval(row, SAVING[0]), row) if row["has_v"] else NO_V for row in of_problem
         ]
     return Table("", frame, {"W/(ρ b² U²)": ".3f"})
 

@@ -8,9 +8,12 @@ import pandas as pd
 import pytest
 from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1
 from upwash.report.answer import answer, job_record
+from upwash.report.flock_answer import birds_table
 from upwash.report.reproduction import reproduction, reproduction_record
 from upwash.report.table import Table, cell
 from upwash.report.tables import basins, best_optima, both_optima, printed_variously, proof, table_1
+
+from report import studies
 
 
 def column(table, name, of):
@@ -101,6 +104,18 @@ class TestTable1:
         assert paper[1:] == ["9 and 8 (text)", "18 and 17 (text)", "11 (text)"]
         assert ours == pytest.approx([0.75, 10.0, 12.5, 10.0])
         assert list(PRINTED_VARIOUSLY) == ["y", "induced", "profile", "total"]
+
+
+class TestBirds:
+    def test_a_place_that_is_not_proved_the_best_is_said_to_be_open_and_what_that_means(self):
+        flock = studies.frame(studies.flock_rows(3), "flock")
+        flock = flock[flock["job_id"] == flock["job_id"].iloc[0]]
+        for gap, words in ((5e-5, "proved"), (0.002, "open, gap 2.0e-3")):
+            table = birds_table(flock.assign(v_certified_gap=[None, 5e-5, gap]))
+            assert table.frame["proof"].tolist() == ["-", "proved", words]
+            assert any(note.startswith("open: another place in the V") for note in table.notes) == (
+                gap > 1e-3
+            )
 
 
 class TestBothOptima:

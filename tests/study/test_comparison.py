@@ -1,6 +1,7 @@
 """Species side by side: what is compared, how sure it is, what it is set against, and its files."""
 
 import json
+import re
 from contextlib import chdir
 
 import numpy as np
@@ -12,6 +13,7 @@ from upwash import load_species
 from upwash.batch.store import SOLUTIONS
 from upwash.cli import main
 from upwash.columns import FAILED, SOLVED
+from upwash.report.species_tables import MARK, comparison_tables, overview_table
 from upwash.study.comparison import compare, compare_objectives
 from upwash.study.intervals import LEAST_SAMPLES, intervals, outside_of_samples
 from upwash.study.mechanism import STATEMENTS, count_species, mechanism
@@ -117,7 +119,18 @@ class TestOneRowAProblem:
 
     def test_a_proof_left_open_is_remarked(self, rows):
         open_proof = rows_of(rows, "mute-swan").assign(global_certified_gap=0.02)
-        assert "best optimum proved to 2.0% only" in compare(open_proof).iloc[0]["remark"]
+        assert "best optimum proved to 2 % only" in compare(open_proof).iloc[0]["remark"]
+
+    @pytest.mark.parametrize(("gap", "is_marked"), [(0.02, True), (5e-5, False)])
+    def test_a_v_optimum_that_is_not_proved_the_best_is_marked_and_the_mark_explained(
+        self, rows, gap, is_marked
+    ):
+        compared = compare(rows_of(rows, "mute-swan").assign(v_certified_gap=gap))
+        assert ("V optimum proved to 2 % only" in compared.iloc[0]["remark"]) == is_marked
+        for table in (overview_table(compared), *comparison_tables(compared)):
+            *_, line = (line for line in table.text().splitlines() if "mute-swan" in line)
+            assert (MARK in line) == is_marked
+            assert any(note.startswith(MARK) for note in table.notes) == is_marked
 
     def test_a_failed_job_says_why(self, rows):
         one = rows_of(rows, "dunlin", "force", "strouhal").assign(status=FAILED, error="ValueError: broken")
@@ -403,7 +416,9 @@ class TestFiles:
         text = (results / "tables" / "comparison.md").read_text()
         assert text.count("**V optima by ") == 4
         for species in SPECIES:
-            assert text.count(f"| {species} |") == 1 + 4 + 2  # overview, problems, groups
+            assert (
+                len(re.findall(rf"\| {species}(?: {MARK})? \|", text)) == 1 + 4 + 2
+            )  # overview, problems, groups
         assert "at most twice the semispan (0.36 m" in text
 
     def test_samples_beside_give_intervals_once_they_are_there(self, results, rows):

@@ -9,6 +9,8 @@ import renew_comparison
 from click.testing import CliRunner
 from upwash.cli import main
 from upwash.columns import INFEASIBLE, SOLVED
+from upwash.optimum.proof import OPEN
+from upwash.report.species_tables import MARK
 from upwash.species.library import library_paths
 from upwash.study.comparison import compare
 from upwash.study.mechanism import count_species, mechanism
@@ -60,6 +62,14 @@ class TestEveryProblem:
         assert solved["global_certified_gap"].max() <= 1e-4 * (1 + 1e-6)
         assert compared["v_gap"].dropna().min() > 1e-3
 
+    def test_its_v_is_marked_where_it_is_not_proved_to_be_the_best_in_the_v(self, compared):
+        is_open = compared["v_optimum_claim"] == OPEN
+        assert set(compared.loc[is_open, ["objective", "amplitude_convention"]].itertuples(index=False)) == {
+            ("force", "stroke-angle")
+        }
+        assert is_open.sum() == 11
+        assert compared.loc[is_open, "remark"].str.contains("as close to its leader's side").all()
+
     def test_has_its_best_v_half_a_wavelength_behind_and_in_antiphase(self, compared):
         v = compared[compared["has_v"]]
         assert v["x_wavelengths"].between(0.45, 0.50).all()
@@ -77,9 +87,9 @@ class TestDocumentation:
         return [line.strip("| ").split(" | ") for line in text.strip().splitlines()]
 
     def numbers(self, cells):
-        """Return the numbers and words of cells, without the intervals."""
-        bare = [re.sub(r"\s\[.*?\]", "", cell) for cell in cells]
-        return [float(cell) if re.fullmatch(r"-?[\d.]+", cell) else cell for cell in bare]
+        """Return the numbers and words of cells, without the intervals; a mark is a word of its own."""
+        bare = [word for cell in cells for word in re.sub(r"\s\[.*?\]", "", cell).split(f" {MARK}")]
+        return [float(word) if re.fullmatch(r"-?[\d.]+", word) else word for word in bare]
 
     def test_savings(self, compared):
         heads, _, *shown = self.cells("savings")

@@ -8,10 +8,10 @@ from typing import Any
 import pandas as pd
 
 from upwash import columns as of
-from upwash.optimum.proof import is_proved
+from upwash.optimum.proof import OPEN, PROVED, is_proved
 from upwash.optimum.rotation import take_turns
 from upwash.report.table import ABSENT, Table, shown
-from upwash.report.words import least
+from upwash.report.words import least, power_of_ten
 
 READINGS = {
     "immediate": "amplitude at most that of the bird ahead",
@@ -68,7 +68,8 @@ def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
     formats |= {"cost %": ".2f", **more}
     notes = []
     if chain is None:
-        columns["proof"] = placed.apply(_proof, axis=1)
+        columns["proof"] = placed.apply(proof_in_v, axis=1)
+        notes += open_explained(columns["proof"])
     else:
         before = chain[chain["status"] == of.SOLVED]
         given_up = cost.to_numpy() - 100.0 * (before["cost"] / before["cost_leader"]).to_numpy()
@@ -123,8 +124,17 @@ def flock_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _proof(row: Any) -> str:
+def proof_in_v(row: Any) -> str:
+    """Say in a few words whether a bird's place is proved to be the best optimum of its V region."""
     gap = row["v_certified_gap"]
     if pd.isna(gap):
         return ABSENT
-    return "proved" if is_proved(gap, row["tolerance"]) else f"open, gap {gap:.1e}"
+    return PROVED if is_proved(gap, row["tolerance"]) else f"{OPEN}, gap {power_of_ten(gap)}"
+
+
+def open_explained(proofs: pd.Series) -> list[str]:
+    """Explain what it means that a place is not proved to be the best, if one is not."""
+    is_open = proofs.str.startswith(OPEN).any()
+    return (
+        [f"{OPEN}: another place in the V may cost less than this one, by up to the gap"] if is_open else []
+    )

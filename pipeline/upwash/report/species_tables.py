@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import pandas as pd
 
 from upwash.columns import Column
+from upwash.optimum.proof import PROVED
 from upwash.report.table import ABSENT, Table, cell
 from upwash.study.mechanism import STATEMENTS
 from upwash.study.observations import ABOVE, AGREES, BELOW, NEAR, NOT_COMPARED
@@ -15,6 +16,10 @@ from upwash.study.quantities import ALIKE, COMPARED, GAP, GROUPS, POSITION, QUAN
 NO_V = "no V"
 INTERVALS = "in brackets: 5 % and 95 % quantiles of the samples from each species' own ranges"
 
+MARK = "†"
+"""Stands beside what is not proved to be the best of all local optima in the V."""
+
+NOT_PROVED = f"{MARK} not proved to be the best optimum in the V: another may cost less, by as much as {{}}"
 
 OURS = Column("ours", "", "what we find", format=".3g")
 
@@ -30,6 +35,17 @@ def with_interval(row: pd.Series, column: Column, name: str = "", spec: str = ""
     if written == ABSENT or any(map(pd.isna, ends)):
         return written
     return f"{written} [{', '.join(cell(end, spec) for end in ends)}]"
+
+
+def marked(written: str, row: pd.Series) -> str:
+    """Mark what is written of a V optimum that is not proved to be the best in the V."""
+    return f"{written} {MARK}" if row["has_v"] and row["v_optimum_claim"] != PROVED else written
+
+
+def _marks_explained(compared: pd.DataFrame, where: str) -> list[str]:
+    """Explain the mark if anything bears it."""
+    is_marked = compared["has_v"] & (compared["v_optimum_claim"] != PROVED)
+    return [NOT_PROVED.format(where)] if is_marked.any() else []
 
 
 def _written(frame: pd.DataFrame, columns: Iterable[Column]) -> dict[str, list[str]]:
@@ -52,13 +68,17 @@ def comparison_tables(compared: pd.DataFrame) -> list[Table]:
     tables = []
     for (objective, convention), group in compared.groupby(["objective", "amplitude_convention"], sort=False):
         frame = pd.DataFrame(
-            {"species": group["species"], **_written(group, POSITION + SAVING)}
+            {
+                "species": [marked(row["species"], row) for _, row in group.iterrows()],
+                **_written(group, POSITION + SAVING),
+            }
             | {"alike %": [_alike(row) for _, row in group.iterrows()]}
             | {**_written(group, STROKE + GAP), "remark": group["remark"].replace("", ABSENT)}
         )
         notes = [
             f"alike: what all the optima in a V save that cost the same to within {ALIKE:.1%}",
             "gap: cost of the V optimum above that of the best optimum found",
+            *_marks_explained(group, "the remark says"),
         ]
         if group["samples"].notna().any():
             notes.append(f"{INTERVALS}; {_samples(group)}")
@@ -84,10 +104,14 @@ def overview_table(compared: pd.DataFrame) -> Table:
     problems = compared["objective"] + ", " + compared["amplitude_convention"]
     written = compared.assign(
         problem=problems,
-        written=[with_interval(row, SAVING[0]) if row["has_v"] else NO_V for _, row in compared.iterrows()],
+        written=[
+            marked(with_interval(row, SAVING[0]), row) if row["has_v"] else NO_V
+            for _, row in compared.iterrows()
+        ],
     ).pivot(index="species", columns="problem", values="written")
     frame = written.fillna(ABSENT).rename_axis(columns=None).reset_index()
     notes = [f"{NO_V}: there is no V optimum; the next tables say why"]
+    notes += _marks_explained(compared, "the next tables say")
     if compared["samples"].notna().any():
         notes.append(f"{INTERVALS}; {_samples(compared)}")
     return Table("Saving of total power at the V optimum, in percent", frame, notes=tuple(notes))

@@ -9,6 +9,7 @@ import pandas as pd
 
 from upwash.report import species_tables
 from upwash.report.figures.flocks import papers_flocks, series
+from upwash.report.flock_answer import open_explained, proof_in_v
 from upwash.report.table import Table
 from upwash.report.tables import (
     GLOBAL,
@@ -95,11 +96,12 @@ def _flock_tables(sources: Sources) -> list[Table]:
                 "induced/first's": birds["induced_ratio"],
                 "profile/first's": birds["profile_ratio"],
                 "saving %": 100.0 * birds["saving_total"],
+                "proof": birds.apply(proof_in_v, axis=1),
             }
         )
         formats = dict.fromkeys(frame.columns[1:], ".3f") | {"saving %": ".1f"}
         title = f"Flock of {least(objective)}, reading of the amplitude bound: {reading}"
-        tables.append(Table(title, frame, formats))
+        tables.append(Table(title, frame, formats, tuple(open_explained(frame["proof"]))))
     return tables
 
 

@@ -6,10 +6,12 @@ ranges gives each number its interval.
 
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 
 from upwash.columns import INTEGER, SOLVED, TEXT, TRUTH, Column
-from upwash.optimum.proof import OPEN, claims_of, wall_in_words
+from upwash.optimum.proof import OPEN, claims_of, percent, wall_in_words
 from upwash.study.intervals import BIRD, COUNTS, KEYS, ends_of, interval_columns, intervals
 from upwash.study.quantities import ALIKE, GROUPS, QUANTITIES, optima_of_jobs
 
@@ -43,6 +45,12 @@ COMPARISON = (
     *NAMES,
     Column("status", "", "solved, infeasible (there is no answer) or failed", TEXT),
     Column("has_v", "", "whether there is a V optimum", TRUTH),
+    Column(
+        "v_optimum_claim",
+        "",
+        "that the V optimum is the best of all local optima in the V: proved, open or not claimed",
+        TEXT,
+    ),
     Column("remark", "", "why there is no V optimum, or what to know of it", TEXT),
     *GROUPS,
     *QUANTITIES,
@@ -73,13 +81,15 @@ def compare(rows: pd.DataFrame, samples: pd.DataFrame | None = None) -> pd.DataF
         The columns of `COMPARISON`, one row for each of `KEYS`; intervals are NaN without samples.
     """
     optima = optima_of_jobs(rows).sort_values(list(KEYS)).reset_index(drop=True)
-    optima["remark"] = [_remark(one) for _, one in optima.iterrows()]
+    records = optima.to_dict("records")
+    optima["v_optimum_claim"] = [claims_of(optimum).v_optimum for optimum in records]
+    optima["remark"] = list(map(_remark, records))
     if samples is not None:
         optima = optima.join(intervals(optima_of_jobs(samples)), on=list(KEYS))
     return optima.reindex(columns=[column.name for column in COMPARISON])
 
 
-def _remark(optimum: pd.Series) -> str:
+def _remark(optimum: dict[Any, Any]) -> str:
     if optimum["status"] != SOLVED:
         return str(optimum["error"])
     remarks = []
@@ -87,11 +97,11 @@ def _remark(optimum: pd.Series) -> str:
         remarks.append("no V optimum")
     if optimum["v_wall"]:
         remarks.append(f"a follower in the V does best {wall_in_words(optimum['v_wall'])}")
-    claims = claims_of(optimum.to_dict())
+    claims = claims_of(optimum)
     if claims.v_optimum == OPEN:
-        remarks.append(f"V optimum proved to {optimum['v_certified_gap']:.1%} only")
+        remarks.append(f"V optimum proved to {percent(optimum['v_certified_gap'])} only")
     if claims.everywhere == OPEN:
-        remarks.append(f"best optimum proved to {optimum['global_certified_gap']:.1%} only")
+        remarks.append(f"best optimum proved to {percent(optimum['global_certified_gap'])} only")
     return "; ".join(remarks)
 
 
