@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from upwash.columns import Column, column
 from upwash.report.figures.drawing import (
     FAINT,
     OBJECTIVES,
@@ -27,18 +29,6 @@ CAPTION = (
     "and all others stay as they are. Upright line: the bird itself. A line breaks where there is no V optimum; "
     "a step is a change from one optimum to another."
 )
-LABELS = {
-    "mass_kg": ("Mass", "M (kg)"),
-    "semispan_m": ("Semispan", "b (m)"),
-    "speed_m_s": ("Speed", "U (m/s)"),
-    "period_s": ("Wingbeat period", "T (s)"),
-    "density_kg_m3": ("Air density", "ρ (kg/m³)"),
-    "gravity_m_s2": ("Gravity", "g (m/s²)"),
-    "leader_amplitude_m": ("Leader's amplitude", "$h_L$ (m)"),
-    "leader_upstroke_span_ratio": ("Leader's upstroke span ratio", "$R_L$"),
-    "circulation_ratio": ("Circulation, upstroke to downstroke", "$Γ_{up}/Γ_{down}$"),
-    "core_radius_ratio": ("Vortex core", "$r_c/b$"),
-}
 COLUMNS = 3
 
 
@@ -65,6 +55,14 @@ def curve(rows: pd.DataFrame, name: str, objective: str) -> pd.DataFrame:
     return pd.DataFrame({name: values, "saving_total": saving.reindex(values).to_numpy()})
 
 
+def axis_label(column: Column) -> str:
+    """Return the symbol and unit of a column for an axis: its indices set low, its exponents high."""
+    symbol = re.sub(r"_(\w{2,})", r"_{\1}", column.head) if column.head else column.name
+    symbol = f"${symbol}$" if "_" in column.head else symbol
+    unit = column.shown_unit.replace("2", "²").replace("3", "³")
+    return f"{symbol} ({unit})" if unit else symbol
+
+
 def describe(varied: pd.DataFrame) -> str:
     """Say in words what the figure shows."""
     parts = []
@@ -73,7 +71,7 @@ def describe(varied: pd.DataFrame) -> str:
         found = curve(rows, name, objective).dropna()
         first, last = found.iloc[0], found.iloc[-1]
         parts.append(
-            f"{LABELS[name][0].lower()} {first[name]:.3g} to {last[name]:.3g}: {percent(first['saving_total'], 1)} "
+            f"{column(name).label} {first[name]:.3g} to {last[name]:.3g}: {percent(first['saving_total'], 1)} "
             f"to {percent(last['saving_total'], 1)}"
         )
     return f"Savings for {least(objective)} as one input varies. " + "; ".join(parts) + "."
@@ -91,7 +89,7 @@ def draw(varied: pd.DataFrame) -> Figure:
     for axes, (name, rows), panel in zip(panels, inputs.items(), "abcdefghij", strict=False):
         draw_curves(axes, rows, name)
         axes.axvline(base[name].iloc[0], color=FAINT, linewidth=0.7)
-        letter(axes, panel, LABELS[name][0])
+        letter(axes, panel, (column(name).label or name).capitalize())
     for axes in panels[len(inputs) :]:
         axes.set_axis_off()
     for axes in panels[: len(inputs) : columns]:
@@ -117,7 +115,7 @@ def draw_curves(axes: Axes, rows: pd.DataFrame, name: str) -> None:
             gid=f"{name} {objective}",
         )
     in_percent(axes.yaxis)
-    axes.set_xlabel(LABELS[name][1])
+    axes.set_xlabel(axis_label(column(name)))
 
 
 PICTURE = Picture("parameter-saving", "What the saving depends on", CAPTION, describe, draw)
