@@ -106,8 +106,8 @@ class Evidence:
 
     def missing(self, name: str) -> str:
         """Say what has to be run before a field of this evidence can be used; empty if nothing."""
-        found = getattr(self, name)
-        if found is not None and len(found):
+        frame = getattr(self, name)
+        if frame is not None and len(frame):
             return ""
         sweep = {"flocks": FLOCKS, "speeds": SPEEDS}[name]
         return f"needs results/{sweep} beside these results: run and aggregate the sweep {sweep}"
@@ -142,8 +142,8 @@ class Evidence:
     def flock_cases(self, column: str) -> dict[str, NDArray[np.float64]]:
         """Return a column of each flock, one value a bird."""
         return {
-            f"{one}, {reading}": flock[column].to_numpy(float)
-            for (one, reading), flock in self.flocks.items()
+            f"{objective}, {reading}": flock[column].to_numpy(float)
+            for (objective, reading), flock in self.flocks.items()
         }
 
     @cached_property
@@ -175,9 +175,9 @@ class Evidence:
         bird, pose = self.bird, pose_of(self.v(objective))
         x, y, z = (place.get(axis, value) for axis, value in zip("xyz", pose.position_m, strict=True))
         pose = replace(pose, x_m=x, y_m=y, z_m=z)
-        found = force_map(bird, bird.stroke, pose, plane, x_m, across)
+        plane_map = force_map(bird, bird.stroke, pose, plane, x_m, across)
         lift, thrust = bird.self_force_n(pose.stroke)
-        return found.lift_n - lift, found.thrust_n - thrust
+        return plane_map.lift_n - lift, plane_map.thrust_n - thrust
 
     @cached_property
     def maps(self) -> dict[str, ForceRatios]:
@@ -190,14 +190,14 @@ class Evidence:
             "xk": (0.0, 1.0),
         }
         streamwise = np.linspace(0.0, STREAMWISE_REACH * bird.wavelength_m, MAP_SIZE)
-        found = {}
+        maps = {}
         for plane in PLANES:
             across = np.linspace(*reach[plane], MAP_SIZE)
             lift, thrust = self.wake_over("force", plane, streamwise, across)
-            found[plane] = ForceRatios(
+            maps[plane] = ForceRatios(
                 own_lift + lift / bird.weight_n, own_thrust + thrust / bird.drag_n, own_lift, own_thrust
             )
-        return found
+        return maps
 
 
 def beside(results: Path) -> list[Path]:
@@ -218,7 +218,7 @@ def read_evidence(results: str | Path) -> Evidence:
     others = [path for path in beside(folder) if path.is_dir() and path.resolve() != folder.resolve()]
     studies = [read_study(path) for path in (folder, *others)]
     try:
-        return gather_evidence([one.rows for one in studies])
+        return gather_evidence([study.rows for study in studies])
     except UpwashError as error:
         raise UpwashError(f"{results}: {error}") from error
 
@@ -269,7 +269,7 @@ def _first_job_of_each(rows: pd.DataFrame, column: str) -> pd.DataFrame:
 
 def _flocks(frames: list[pd.DataFrame]) -> dict[tuple[str, str], pd.DataFrame]:
     """Return the complete flocks that are built as the paper's."""
-    found: dict[tuple[str, str], pd.DataFrame] = {}
+    flocks: dict[tuple[str, str], pd.DataFrame] = {}
     for frame in frames:
         for _, flock in frame.groupby("flock_id", sort=False):
             flock = flock.sort_values("bird", ignore_index=True)
@@ -277,10 +277,10 @@ def _flocks(frames: list[pd.DataFrame]) -> dict[tuple[str, str], pd.DataFrame]:
             is_whole = len(flock) == BIRDS and bool((flock["status"] == of.SOLVED).all())
             is_chain = (first["shape"], first["wake"]) == ("echelon", "neighbour")
             if is_whole and is_chain and len(_of_paper(flock.head(1))):
-                found.setdefault((first["objective"], first["reading"]), flock)
+                flocks.setdefault((first["objective"], first["reading"]), flock)
     wanted = [(objective, reading) for objective in OBJECTIVES for reading in READINGS]
     # Half of the flocks would give claims that hold in every case that was looked at.
-    return {key: found[key] for key in wanted} if set(wanted) <= set(found) else {}
+    return {key: flocks[key] for key in wanted} if set(wanted) <= set(flocks) else {}
 
 
 def _speeds(pairs: pd.DataFrame) -> pd.DataFrame | None:

@@ -59,7 +59,10 @@ def _largest_growth(amplitude: Values) -> float:
 
 def _growth(evidence: Evidence) -> Cases:
     """Largest amplitude of a follower over that of the bird ahead, less 1, in the pair and in the flocks."""
-    pair = {f"pair, {one}": -reduction for one, reduction in evidence.of_v("amplitude_reduction").items()}
+    pair = {
+        f"pair, {objective}": -reduction
+        for objective, reduction in evidence.of_v("amplitude_reduction").items()
+    }
     return {**pair, **_each("amplitude_m", _largest_growth)(evidence)}
 
 

@@ -49,7 +49,7 @@ def _weights(evidence: Evidence) -> Cases:
 
 def _from_downstroke_rings(evidence: Evidence) -> Cases:
     """Share of the wake's lift and thrust at the V optimum that rings of downstrokes give, in percent."""
-    bird, model, found = evidence.bird, WakeModel(), {}
+    bird, model, shares = evidence.bird, WakeModel(), {}
     wake = vortex_wake(
         bird.amplitude_m, bird.upstroke_span_ratio, bird.semispan_m, bird.wavelength_m, bird.circulation_m2_s
     )
@@ -68,31 +68,31 @@ def _from_downstroke_rings(evidence: Evidence) -> Cases:
             wind = node_weights @ velocity(points, wake.rings[rings], wake.circulation[rings], core)
             own = bird.circulation_m2_s * state_circulation_ratio(bird, follower, 2)
             force += weights[leader, follower] * bird.density_kg_m3 * own * 2.0 * half_span * wind[[0, 2]]
-        found[f"{objective}, lift"] = float(100.0 * force[0] / row["lift_wake_n"])
-        found[f"{objective}, thrust"] = float(100.0 * force[1] / row["thrust_wake_n"])
-    return found
+        shares[f"{objective}, lift"] = float(100.0 * force[0] / row["lift_wake_n"])
+        shares[f"{objective}, thrust"] = float(100.0 * force[1] / row["thrust_wake_n"])
+    return shares
 
 
 def _thrust_turns(evidence: Evidence) -> Cases:
     """Where, nearest to λ/2, thrust from the wake turns into drag downstream, in wavelengths."""
     stations = np.linspace(0.3, 0.7, 401)
-    found = {}
+    places = {}
     for objective in OBJECTIVES:
         height = [evidence.v(objective)["z_m"]]
         _, thrust = evidence.wake_over(objective, "xz", stations * evidence.bird.wavelength_m, height)
-        found[objective] = _nearest_fall(stations, thrust[0], 0.5)
-    return found
+        places[objective] = _nearest_fall(stations, thrust[0], 0.5)
+    return places
 
 
 def _lift_turns(evidence: Evidence) -> Cases:
     """Where at x = λ/2, nearest to the leader's height, lift from the wake turns downward below, in h_L."""
     heights = np.linspace(-1.0, 1.0, 401)
-    found = {}
+    places = {}
     for objective in OBJECTIVES:
         half = [0.5 * evidence.bird.wavelength_m]
         lift, _ = evidence.wake_over(objective, "xz", half, heights * evidence.bird.amplitude_m)
-        found[objective] = _nearest_fall(heights, -lift[:, 0], 0.0)
-    return found
+        places[objective] = _nearest_fall(heights, -lift[:, 0], 0.0)
+    return places
 
 
 def _nearest_fall(where: NDArray[np.float64], values: NDArray[np.float64], to: float) -> float:
@@ -118,27 +118,28 @@ def _forward_and_down(evidence: Evidence) -> Cases:
 
 def _overlap(evidence: Evidence) -> Cases:
     """Points of each map where the wake gives lift and thrust, over those where it gives either."""
-    found = {}
-    for plane, one in evidence.maps.items():
-        lifts, pulls = one.lift > one.own_lift, one.thrust > one.own_thrust
-        found[plane] = float((lifts & pulls).sum() / (lifts | pulls).sum())
-    return found
+    shares = {}
+    for plane, ratios in evidence.maps.items():
+        lifts, pulls = ratios.lift > ratios.own_lift, ratios.thrust > ratios.own_thrust
+        shares[plane] = float((lifts & pulls).sum() / (lifts | pulls).sum())
+    return shares
 
 
 def _strongly_beneficial(evidence: Evidence) -> Cases:
     """Share of each map in which the wake gives much of both lift and thrust, in percent."""
-    found = {}
-    for plane, one in evidence.maps.items():
-        lifts = one.lift - one.own_lift > LARGE_BENEFIT * (1.0 - one.own_lift)
-        pulls = one.thrust - one.own_thrust > LARGE_BENEFIT * (1.0 - one.own_thrust)
-        found[plane] = float(100.0 * np.mean(lifts & pulls))
-    return found
+    shares = {}
+    for plane, ratios in evidence.maps.items():
+        lifts = ratios.lift - ratios.own_lift > LARGE_BENEFIT * (1.0 - ratios.own_lift)
+        pulls = ratios.thrust - ratios.own_thrust > LARGE_BENEFIT * (1.0 - ratios.own_thrust)
+        shares[plane] = float(100.0 * np.mean(lifts & pulls))
+    return shares
 
 
 def _lowest(quantity: str) -> Measure:
     def measure(evidence: Evidence) -> Cases:
         return {
-            "all maps": 100.0 * min(float(getattr(one, quantity).min()) for one in evidence.maps.values())
+            "all maps": 100.0
+            * min(float(getattr(ratios, quantity).min()) for ratios in evidence.maps.values())
         }
 
     return measure
@@ -152,7 +153,7 @@ MEASURES: Measures = {
     "thrust-map-minimum": _lowest("thrust"),
     "lift-map-minimum": _lowest("lift"),
     "thrust-varies-more": lambda evidence: {
-        plane: float(np.ptp(one.thrust) / np.ptp(one.lift)) for plane, one in evidence.maps.items()
+        plane: float(np.ptp(ratios.thrust) / np.ptp(ratios.lift)) for plane, ratios in evidence.maps.items()
     },
     "benefits-do-not-coincide": _overlap,
     "strong-benefit-is-rare": _strongly_beneficial,

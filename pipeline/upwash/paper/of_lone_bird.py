@@ -72,9 +72,9 @@ def _same_product(evidence: Evidence) -> Cases:
         circulation_ratio=bird.circulation_ratio * bird.upstroke_span_ratio / OTHER_RATIO,
     )
 
-    def wake_force(one: Bird) -> NDArray[np.float64]:
+    def wake_force(bird: Bird) -> NDArray[np.float64]:
         # Leader up, follower down: the upstroke's ring is the nearer one.
-        return state_forces(one, one.stroke, pose_of(row))[UP, DOWN]
+        return state_forces(bird, bird.stroke, pose_of(row))[UP, DOWN]
 
     lift, thrust = abs(wake_force(other) / wake_force(bird) - 1.0)
     return {

@@ -15,12 +15,12 @@ ALIKE = 0.05
 
 def _over_the_rule(evidence: Evidence) -> Cases:
     """Spanwise position over that of the spacing rule, less 1, in percent."""
-    found = {}
+    excess = {}
     for objective in OBJECTIVES:
         row = evidence.v(objective)
         rule = spanwise_spacing_rule(row["semispan_m"], row["upstroke_span_ratio"])
-        found[objective] = 100.0 * (row["y_m"] / rule - 1.0)
-    return found
+        excess[objective] = 100.0 * (row["y_m"] / rule - 1.0)
+    return excess
 
 
 def _over(column: str, observed: float) -> Measure:

@@ -13,7 +13,7 @@ def _reductions(evidence: Evidence) -> Cases:
     """Reduction of the amplitude less that of the upstroke span ratio, in points."""
     return {
         objective: 100.0 * float(row["amplitude_reduction"] - row["span_ratio_reduction"])
-        for objective, row in ((one, evidence.v(one)) for one in OBJECTIVES)
+        for objective, row in ((objective, evidence.v(objective)) for objective in OBJECTIVES)
     }
 
 
@@ -21,8 +21,8 @@ def _flexion_added(evidence: Evidence) -> Cases:
     """Part of its span by which the follower draws in its wings on the upstroke, less the leader's."""
     rows = {objective: evidence.v(objective) for objective in OBJECTIVES}
     return {
-        one: float(row["leader_upstroke_span_ratio"] - row["upstroke_span_ratio"])
-        for one, row in rows.items()
+        objective: float(row["leader_upstroke_span_ratio"] - row["upstroke_span_ratio"])
+        for objective, row in rows.items()
     }
 
 

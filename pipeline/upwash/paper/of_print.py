@@ -46,7 +46,9 @@ def _balance_of_table_1(evidence: Evidence) -> Cases:
 def _cost_of_table_1(evidence: Evidence) -> Cases:
     """Force of a stroke that rounds to Table 1, at most, over what is proved of any V, less 1, in percent."""
     bird, cost = evidence.bird, COST_FUNCTIONS["force"]
-    costs = [cost.value(bird, bird.lift_n(one[4]), bird.thrust_n(one[3], one[4])) for one in _corners()]
+    costs = [
+        cost.value(bird, bird.lift_n(corner[4]), bird.thrust_n(corner[3], corner[4])) for corner in _corners()
+    ]
     return {"force": 100.0 * (max(costs) / float(evidence.v("force")["v_lower_bound"]) - 1.0)}
 
 

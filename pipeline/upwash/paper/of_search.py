@@ -33,11 +33,11 @@ def _over_global(evidence: Evidence) -> Cases:
 
 def _bounds_met(evidence: Evidence) -> Cases:
     """Number of search bounds that the V optimum lies on."""
-    found = {}
+    met = {}
     for objective in OBJECTIVES:
         names = str(evidence.v(objective)["active_bounds"] or "").split(",")
-        found[objective] = float(len([name for name in names if name and name != FOLD]))
-    return found
+        met[objective] = float(len([name for name in names if name and name != FOLD]))
+    return met
 
 
 @cache
@@ -57,14 +57,14 @@ def _ends(bird: Bird, objective: str) -> tuple[pd.DataFrame, float]:
 
 def _reached(evidence: Evidence) -> Cases:
     """Share of the spread starts from which a single run ends at the V optimum, in percent."""
-    found = {}
+    shares = {}
     for objective in OBJECTIVES:
         row, (ends, _) = evidence.v(objective), _ends(evidence.bird, objective)
         place = ["x_m", "y_m", "z_m"]
-        is_near = (ends[place] - [row[one] for one in place]).abs().max(axis=1) < SAME_PLACE_M
+        is_near = (ends[place] - [row[axis] for axis in place]).abs().max(axis=1) < SAME_PLACE_M
         is_as_good = (ends["cost"] / row["cost"] - 1.0).abs() < SAME_COST
-        found[objective] = float(100.0 * (is_near & is_as_good).sum() / STARTS)
-    return found
+        shares[objective] = float(100.0 * (is_near & is_as_good).sum() / STARTS)
+    return shares
 
 
 def _from_paper_start(evidence: Evidence) -> Cases:

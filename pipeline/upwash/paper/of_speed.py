@@ -13,7 +13,7 @@ from upwash.study.airspeed import best_speed
 def _speeds(evidence: Evidence, per_metre: bool) -> dict[str, tuple[float, float]]:
     """Return the best airspeed of the follower and that of the lone bird, in m/s, for each label."""
     assert evidence.speeds is not None
-    found = {}
+    speeds = {}
     for words, label in (("V optimum", "is_v_optimum"), ("global optimum", "is_global_optimum")):
         rows = evidence.speeds[evidence.speeds[label].eq(True)].sort_values("speed_m_s")
         speed = rows["speed_m_s"].to_numpy(float)
@@ -22,8 +22,8 @@ def _speeds(evidence: Evidence, per_metre: bool) -> dict[str, tuple[float, float
             best_speed(speed, rows[column].to_numpy(float) / unit)
             for column in ("power_total_w", "leader_power_total_w")
         )
-        found[words] = own, alone
-    return found
+        speeds[words] = own, alone
+    return speeds
 
 
 def _over_alone(per_metre: bool) -> Measure:

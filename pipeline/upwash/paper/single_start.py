@@ -81,7 +81,7 @@ def solve_from(problem: PairProblem, start: NDArray[np.float64]) -> End:
     with warnings.catch_warnings():
         # It says when a step was cut at a bound; where the run ended is looked at below.
         warnings.simplefilter("ignore", RuntimeWarning)
-        found = minimize(
+        end = minimize(
             lambda point: balances(point)[:2],
             start,
             jac=True,
@@ -94,8 +94,8 @@ def solve_from(problem: PairProblem, start: NDArray[np.float64]) -> End:
             },
             options={"maxiter": MOST_ITERATIONS},
         )
-    cost, _, residual, _ = balances(found.x)
-    return End(found.x, float(cost), bool(np.max(np.abs(residual)) < BALANCED))
+    cost, _, residual, _ = balances(end.x)
+    return End(end.x, float(cost), bool(np.max(np.abs(residual)) < BALANCED))
 
 
 def _bounds(problem: PairProblem) -> NDArray[np.float64]:

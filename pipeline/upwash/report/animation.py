@@ -66,7 +66,7 @@ def own_phases(birds: pd.DataFrame, time: float) -> NDArray[np.float64]:
 
 def half_span(bird: pd.Series, phase: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return how far aside the wingtips of a bird are at some phases, in m."""
-    parts = np.array([stroke_span(one) for one in np.ravel(phase)]).reshape(*np.shape(phase), 2)
+    parts = np.array([stroke_span(turn) for turn in np.ravel(phase)]).reshape(*np.shape(phase), 2)
     return bird["semispan_m"] * (parts[..., 0] + parts[..., 1] * bird["upstroke_span_ratio"])
 
 
@@ -240,10 +240,10 @@ def check_ending(path: Path) -> None:
 def _write_gif(scene: Scene, path: Path) -> None:
     from PIL import Image
 
-    pictures = [Image.fromarray(one).convert("RGB") for one in scene.pictures()]
+    pictures = [Image.fromarray(picture).convert("RGB") for picture in scene.pictures()]
     # One palette for all, taken from the first, or colours would flicker.
     palette = pictures[0].quantize(colors=64)
-    first, *others = (one.quantize(palette=palette, dither=Image.Dither.NONE) for one in pictures)
+    first, *others = (picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures)
     duration = 1000 // FRAMES_A_SECOND
     first.save(path, format="GIF", save_all=True, append_images=others, duration=duration, loop=0)
 

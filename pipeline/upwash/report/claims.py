@@ -59,7 +59,7 @@ def ledger_markdown(ledger: pd.DataFrame) -> str:
                 "ours": list(map(_marked, rows["cases"], rows["exceptions"])),
                 "unit": rows["unit"],
                 "accepted": _accepted(rows),
-                "verdict": [f"**{one}**" if one != HOLDS else one for one in rows["verdict"]],
+                "verdict": [f"**{verdict}**" if verdict != HOLDS else verdict for verdict in rows["verdict"]],
                 "why": rows["why"],
             }
         )
@@ -90,20 +90,22 @@ def ledger_shown(ledger: pd.DataFrame) -> pd.DataFrame:
 def _marked(cases: str, exceptions: str) -> str:
     """Return the cases with those that are not as claimed in bold."""
     bold = exceptions.split("; ")
-    written = [f"**{one}**" if one.rpartition(" ")[0] in bold else one for one in cases.split("; ") if cases]
+    written = [
+        f"**{case}**" if case.rpartition(" ")[0] in bold else case for case in cases.split("; ") if cases
+    ]
     return "; ".join(written) or "-"
 
 
 def _accepted(ledger: pd.DataFrame) -> list[str]:
     """Write the accepted values of each claim."""
-    found = []
+    written = []
     for low, high in zip(ledger["accepted_low"], ledger["accepted_high"], strict=True):
         if pd.isna(low):
-            found.append(f"at most {high:{LIMIT}}")
+            written.append(f"at most {high:{LIMIT}}")
         elif pd.isna(high):
-            found.append(f"at least {low:{LIMIT}}")
+            written.append(f"at least {low:{LIMIT}}")
         elif max(-low, high) <= ROUNDED_TO_ZERO:
-            found.append("0")
+            written.append("0")
         else:
-            found.append(f"{low:{LIMIT}} to {high:{LIMIT}}")
-    return found
+            written.append(f"{low:{LIMIT}} to {high:{LIMIT}}")
+    return written

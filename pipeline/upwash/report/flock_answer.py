@@ -31,7 +31,9 @@ OF_A_BIRD = tuple(
 )
 """Where a bird flies in its flock, and its stroke."""
 
-SAVINGS = sorted((column for column in of.FLOCK_COLUMNS if column.percent), key=lambda one: not one.listed)
+SAVINGS = sorted(
+    (column for column in of.FLOCK_COLUMNS if column.percent), key=lambda column: not column.listed
+)
 """What it saves: in all, and then its parts."""
 
 
@@ -92,9 +94,9 @@ def turns_table(rows: pd.DataFrame) -> Table:
     turns = take_turns(savings)
     frame = pd.DataFrame(
         {
-            "birds": [one.birds for one in turns],
-            "saving %": [100.0 * one.saving_mean for one in turns],
-            "further %": [100.0 * one.range_gained for one in turns],
+            "birds": [turn.birds for turn in turns],
+            "saving %": [100.0 * turn.saving_mean for turn in turns],
+            "further %": [100.0 * turn.range_gained for turn in turns],
         }
     )
     title = "Taking turns in the lead: what each bird saves, and how much further it gets than alone"
@@ -120,7 +122,7 @@ def flock_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {
         **{name: rows[0][name] for name in ("job_id", *INPUTS)},
         "flock": [{name: value for name, value in row.items() if name not in shared} for row in rows],
-        "turns": [vars(one) for one in take_turns(savings)],
+        "turns": [vars(turn) for turn in take_turns(savings)],
     }
 
 

@@ -68,7 +68,7 @@ def write_page(results: str | os.PathLike[str], *more: str | os.PathLike[str]) -
         If a folder is no gathered results folder, or the page cannot be written.
     """
     folder = Path(results)
-    studies = [read_study(Path(one)) for one in (results, *more)]
+    studies = [read_study(Path(path)) for path in (results, *more)]
     sources = sort_studies(studies)
     draw_figures(sources, folder / FOLDER)
     path = folder / PAGE
@@ -88,16 +88,16 @@ def render(folder: Path, studies: list[Study], sources: Sources) -> str:
     environment.filters["subscripts"] = subscripts
     texts = {name: (TEMPLATES / f"page.{name}").read_text(encoding="utf-8") for name in ("css", "js")}
     title, description = _title(studies[0])
-    command = " ".join(["upwash page", *(one.path.as_posix() for one in studies)])
+    command = " ".join(["upwash page", *(study.path.as_posix() for study in studies)])
     return environment.get_template("page.html.j2").render(
         title=title,
         description=description,
         answer=short_answer(sources),
-        chapters=[_chapter(one, folder, sources, command) for one in CHAPTERS],
+        chapters=[_chapter(chapter, folder, sources, command) for chapter in CHAPTERS],
         claims=_claims(studies),
         jobs=_jobs(studies[0]),
         downloads=_downloads(folder, studies),
-        provenance=[_provenance(one, folder) for one in studies],
+        provenance=[_provenance(study, folder) for study in studies],
         command=command,
         style=texts["css"],
         script=texts["js"],
@@ -138,8 +138,8 @@ def _chapter(chapter: Chapter, folder: Path, sources: Sources, command: str) -> 
         if frames is not None:
             figures.append(_figure(name, frames, folder, sources))
     tables = [
-        table_context(one, f"{chapter.name}-{number}")
-        for number, one in enumerate(chapter.tables(sources), 1)
+        table_context(table, f"{chapter.name}-{number}")
+        for number, table in enumerate(chapter.tables(sources), 1)
     ]
     return {
         "name": chapter.name,
@@ -157,7 +157,7 @@ def _figure(name: str, frames: dict[str, Any], folder: Path, sources: Sources) -
     svg = (folder / FOLDER / f"{name}.svg").read_bytes()
     # The size in points stands in the first tag.
     width, height = (
-        float(one) * 4.0 / 3.0 for one in re.findall(rb'(?:width|height)="([\d.]+)pt"', svg[:2000])[:2]
+        float(size) * 4.0 / 3.0 for size in re.findall(rb'(?:width|height)="([\d.]+)pt"', svg[:2000])[:2]
     )
     origin = sources.folders[picture.needs[0]]
     return {
@@ -195,7 +195,7 @@ def table_context(table: Table, name: str) -> dict[str, Any]:
     notes = list(table.notes)
     if len(table.frame) > MOST_ROWS:
         notes.append(f"the first {MOST_ROWS} of {len(table.frame)} rows; the files hold all")
-    head = [{"text": str(one), "numeric": is_number} for one, is_number in zip(frame, numeric, strict=True)]
+    head = [{"text": str(name), "numeric": is_number} for name, is_number in zip(frame, numeric, strict=True)]
     return {"name": name, "title": table.title, "head": head, "rows": rows, "notes": notes}
 
 
@@ -227,14 +227,14 @@ def _jobs(study: Study) -> dict[str, Any]:
 
 def _downloads(folder: Path, studies: Iterable[Study]) -> list[dict[str, str]]:
     """Return the files that people may want, with their sizes; names are relative to the page."""
-    found = []
+    downloads = []
     for study in studies:
         paths = [*study.path.glob("*.parquet"), *study.path.glob("*.csv"), *(study.path / "tables").glob("*")]
         for path in sorted(path for path in paths if not path.name.startswith(("journal", "retired"))):
             size = path.stat().st_size
             words = f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{size / 1e3:.0f} kB"
-            found.append({"name": _relative(path, folder), "size": words})
-    return found
+            downloads.append({"name": _relative(path, folder), "size": words})
+    return downloads
 
 
 def _relative(path: Path, folder: Path) -> str:
@@ -247,7 +247,7 @@ def _provenance(study: Study, folder: Path) -> dict[str, Any]:
     # In a pair's rows the time is the job's, in a flock's that of each bird.
     by_job = study.rows.groupby("job_id")["solve_time_s"]
     times = (by_job.sum(min_count=1) if study.kind == "flock" else by_job.first()).dropna()
-    versions = [one.partition("+") for one in study.metadata.get("code_version", "").split(", ")]
+    versions = [version.partition("+") for version in study.metadata.get("code_version", "").split(", ")]
     return {
         "folder": _relative(study.path, folder),
         "name": study.path.resolve().name,

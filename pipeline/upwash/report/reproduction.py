@@ -39,8 +39,8 @@ def reproduction_record(solutions: pd.DataFrame) -> dict[str, Any]:
         "printed_variously": printed_variously(solutions).records(),
         "optima": both_optima(solutions).records(),
         "minimum_is_global": {
-            objective: bool(found[V]["is_global_optimum"])
-            for objective, found in _by_objective(solutions).items()
+            objective: bool(optima[V]["is_global_optimum"])
+            for objective, optima in _by_objective(solutions).items()
         },
     }
 
@@ -51,21 +51,21 @@ def _by_objective(solutions: pd.DataFrame) -> dict[str, dict[str, Row]]:
 
 def _verdict(solutions: pd.DataFrame) -> list[str]:
     """Say for each objective whether the V optimum, which is the paper's point, is the best of all."""
-    found = _by_objective(solutions)
+    optima = _by_objective(solutions)
     claim = 'The paper suggests "that the attained minimum is global".'
-    if all(best[V]["is_global_optimum"] for best in found.values()):
+    if all(best[V]["is_global_optimum"] for best in optima.values()):
         lines = [f"{claim} No better optimum than Table 1's, the V optimum, was found:"]
     else:
         lines = [
             f"{claim} It is not: Table 1 is the V optimum,",
             "the best that is outboard, level and astern; within the paper's own bounds another costs less:",
         ]
-    return [*lines, *(f"  {least(objective)}: {_best(best)}" for objective, best in found.items())]
+    return [*lines, *(f"  {least(objective)}: {_best(best)}" for objective, best in optima.items())]
 
 
-def _best(found: dict[str, Row]) -> str:
+def _best(optima: dict[str, Row]) -> str:
     """Say by how much, where, and how surely another optimum is better than the V optimum."""
-    v, best = found[V], found[GLOBAL]
+    v, best = optima[V], optima[GLOBAL]
     if v["is_global_optimum"]:
         return f"the V optimum is the best ({proof(v)})"
     place = ", ".join(best[name] for name in ("placement", "tier", "station"))

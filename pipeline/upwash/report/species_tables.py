@@ -140,8 +140,8 @@ def _samples(group: pd.DataFrame) -> str:
     )
     by_species = group.groupby("species")["samples_without_v"].sum()
     where = ", ".join(f"{species} {int(many)}" for species, many in by_species[by_species > 0].items())
-    found = f"{count} samples, {failed} failed, {without} without a V optimum"
-    return f"{found} ({where})" if where else found
+    counted = f"{count} samples, {failed} failed, {without} without a V optimum"
+    return f"{counted} ({where})" if where else counted
 
 
 def groups_table(compared: pd.DataFrame) -> Table:

@@ -69,8 +69,8 @@ def _optima_tables(sources: Sources) -> list[Table]:
     pair = sources.pair
     if pair is None:
         return []
-    found = best_optima(pair[pair["objective"] == "force"])
-    beside_the_paper = pair["species"].iloc[0] == REFERENCE and V in found
+    optima = best_optima(pair[pair["objective"] == "force"])
+    beside_the_paper = pair["species"].iloc[0] == REFERENCE and V in optima
     tables = [table_1(pair), printed_variously(pair)] if beside_the_paper else []
     return [*tables, both_optima(pair)]
 
@@ -230,16 +230,16 @@ def short_answer(sources: Sources) -> list[str]:
             f"{percent(1.0 - row['amplitude_m'] / row['leader_amplitude_m'])} less far "
             f"and saves {percent(row['saving_total'], 1)} of its power."
         )
-        found = best_optima(pair[pair["objective"] == objective])
-        if V not in found:
+        optima = best_optima(pair[pair["objective"] == objective])
+        if V not in optima:
             sentence += (
                 " There is no optimum outboard, level and astern of its leader: this is the best of all."
             )
-        elif not found[V]["is_global_optimum"]:
-            gap = found[V]["cost"] / found[GLOBAL]["cost"] - 1.0
+        elif not optima[V]["is_global_optimum"]:
+            gap = optima[V]["cost"] / optima[GLOBAL]["cost"] - 1.0
             sentence += (
-                f" That is the best place in a V, but not the best of all: one {found[GLOBAL]['y_m']:.2f} m "
-                f"aside ({found[GLOBAL]['placement']}) costs {percent(gap / (1.0 + gap), 2)} less."
+                f" That is the best place in a V, but not the best of all: one {optima[GLOBAL]['y_m']:.2f} m "
+                f"aside ({optima[GLOBAL]['placement']}) costs {percent(gap / (1.0 + gap), 2)} less."
             )
         sentences.append(sentence)
     return sentences

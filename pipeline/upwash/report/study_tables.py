@@ -74,8 +74,8 @@ def after_aggregate(results: str | Path, tell: Callable[[str], None]) -> list[Pa
     if not written:
         return []
     metadata = provenance(plan.text)
-    paths = [path for one in written for path in one.write(folder.path / TABLES, metadata)]
-    tell(f"{folder}: tables in {folder.path / TABLES}: {', '.join(one.name for one in written)}")
+    paths = [path for table in written for path in table.write(folder.path / TABLES, metadata)]
+    tell(f"{folder}: tables in {folder.path / TABLES}: {', '.join(table.name for table in written)}")
     return paths
 
 
@@ -108,7 +108,7 @@ class Written:
         contents = {
             "parquet": encode(table.records(), schema_of(self.columns), metadata),
             "csv": table.csv().encode(),
-            "md": "\n\n".join([one.markdown() for one in self.tables]).encode() + b"\n",
+            "md": "\n\n".join([table.markdown() for table in self.tables]).encode() + b"\n",
         }
         paths = [folder / f"{self.name}.{ending}" for ending in contents]
         for path, content in zip(paths, contents.values(), strict=True):
@@ -138,7 +138,9 @@ def _comparison(rows: pd.DataFrame, samples: pd.DataFrame | None) -> list[Writte
 def _intervals(rows: pd.DataFrame) -> list[Written]:
     ends = intervals(optima_of_jobs(rows)).reset_index()
     columns = (*between_species.NAMES, *interval_columns(QUANTITIES), *SAMPLE_COUNTS)
-    return [Written("intervals", ends[[one.name for one in columns]], columns, [show.intervals_table(ends)])]
+    return [
+        Written("intervals", ends[[column.name for column in columns]], columns, [show.intervals_table(ends)])
+    ]
 
 
 def _sensitivity(rows: pd.DataFrame, plan: Plan) -> list[Written]:

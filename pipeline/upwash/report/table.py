@@ -67,8 +67,8 @@ class Table:
         to_the_right = self._is_numeric()
         written = [
             "  ".join(
-                one.rjust(width) if right else one.ljust(width)
-                for one, width, right in zip(line, widths, to_the_right, strict=True)
+                text.rjust(width) if right else text.ljust(width)
+                for text, width, right in zip(line, widths, to_the_right, strict=True)
             ).rstrip()
             for line in lines
         ]
@@ -78,7 +78,7 @@ class Table:
         """Return the table as Markdown, its title in bold above and its notes as a list below."""
 
         def line(cells: list[str]) -> str:
-            return "| " + " | ".join(one.replace("|", r"\|") for one in cells) + " |"
+            return "| " + " | ".join(text.replace("|", r"\|") for text in cells) + " |"
 
         rule = "|" + "|".join("---:" if right else "---" for right in self._is_numeric()) + "|"
         head = [f"**{self.title}**", "", line([str(name) for name in self.frame.columns]), rule]
@@ -112,8 +112,11 @@ def shown(
 ) -> tuple[dict[str, pd.Series], dict[str, str | Sequence[str]]]:
     """Return columns of results as people are shown them, and the formats of their numbers, both by their heads."""
     columns = list(columns)
-    values = {one.heading: one.factor * rows[one.name] if one.percent else rows[one.name] for one in columns}
-    return values, {one.heading: one.format for one in columns if one.format}
+    values = {
+        column.heading: column.factor * rows[column.name] if column.percent else rows[column.name]
+        for column in columns
+    }
+    return values, {column.heading: column.format for column in columns if column.format}
 
 
 def cell(value: Any, spec: str = "") -> str:

@@ -132,10 +132,10 @@ def both_optima(solutions: pd.DataFrame, in_short: bool = False) -> Table:
     jobs = by_objective(solutions)
     columns: dict[str, Row] = {}
     for objective, rows in jobs.items():
-        found = best_optima(rows)
-        if V in found and found[V]["is_global_optimum"]:
-            found = {f"V and {GLOBAL}": found[V]}
-        for label, row in found.items():
+        optima = best_optima(rows)
+        if V in optima and optima[V]["is_global_optimum"]:
+            optima = {f"V and {GLOBAL}": optima[V]}
+        for label, row in optima.items():
             columns[label if len(jobs) == 1 else f"{words_of(objective)}: {label}"] = row
     best = {row["objective"]: row["cost"] for row in columns.values() if row["is_global_optimum"]}
     standing = (
@@ -143,7 +143,7 @@ def both_optima(solutions: pd.DataFrame, in_short: bool = False) -> Table:
         ("imbalance of lift or thrust", "", imbalance),
         ("proof", "", proof),
     )
-    described = [one[:3] for one in DESCRIPTION if one[3] or not in_short]
+    described = [line[:3] for line in DESCRIPTION if line[3] or not in_short]
     cells = [
         {"quantity": words, "unit": unit, **{label: value(row) for label, row in columns.items()}}
         for words, unit, value in (*described, *standing)
@@ -151,7 +151,9 @@ def both_optima(solutions: pd.DataFrame, in_short: bool = False) -> Table:
     first = next(iter(columns.values()))
     title = f"{first['species']}: follower of {' and of '.join(least(name) for name in jobs)}"
     proofs = [str(cells[-1][label]) for label in columns]
-    explained = [words + meaning for words, meaning in PROOFS.items() if any(words in one for one in proofs)]
+    explained = [
+        words + meaning for words, meaning in PROOFS.items() if any(words in told for told in proofs)
+    ]
     # What holds of the V optimum holds of a job, so it is told once.
     walls = {row["v_wall"]: None for row in columns.values() if row["is_v_optimum"] and row["v_wall"]}
     explained += [
@@ -191,9 +193,9 @@ def best_optima(rows: pd.DataFrame) -> dict[str, Row]:
     labels = {V: "is_v_optimum", GLOBAL: "is_global_optimum"}
     chosen = {label: with_quantities(rows[rows[name].eq(True)]) for label, name in labels.items()}
     return {
-        label: dict(zip(found.columns, found.iloc[0], strict=True))
-        for label, found in chosen.items()
-        if len(found)
+        label: dict(zip(optima.columns, optima.iloc[0], strict=True))
+        for label, optima in chosen.items()
+        if len(optima)
     }
 
 
@@ -231,14 +233,14 @@ def basins(rows: pd.DataFrame) -> Table:
     edges = sorted({edge for text in rows["core_edges"] for edge in split(text)})
     letters = {edge: _letters(number) for number, edge in enumerate(edges)}
     unit = COST_FUNCTIONS[rows["objective"].iloc[0]].unit
-    found, places = shown(rows, (column for column in of.SOLUTIONS_COLUMNS if column.verified == of.FOUND))
+    where, places = shown(rows, (column for column in of.SOLUTIONS_COLUMNS if column.verified == of.FOUND))
     frame = pd.DataFrame(
         {
             "rank": rows["rank"].astype(int),
             "": ["V" if is_v else "" for is_v in rows["is_v_optimum"].astype(bool)],
             f"cost {unit}": rows["cost"],
             "above %": 100.0 * (rows["cost"] / best - 1.0),
-            **found,
+            **where,
             "placement": rows["placement"],
             "tier": rows["tier"],
             "station": rows["station"],

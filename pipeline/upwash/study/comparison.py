@@ -153,7 +153,8 @@ def _changes(optima: pd.DataFrame, keys: list[str]) -> pd.DataFrame:
     first, second = OBJECTIVES
     names = [column.name for column in QUANTITIES]
     by_first, by_second = (
-        optima[optima["objective"] == one].set_index(keys)[names].add_suffix(f"_{one}") for one in OBJECTIVES
+        optima[optima["objective"] == objective].set_index(keys)[names].add_suffix(f"_{objective}")
+        for objective in OBJECTIVES
     )
     pairs = by_first.join(by_second, how="inner").reset_index()
     changes = {f"{name}_change": pairs[f"{name}_{second}"] - pairs[f"{name}_{first}"] for name in names}

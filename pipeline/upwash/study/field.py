@@ -76,32 +76,32 @@ def plane_through(row: pd.Series, plane: str, size: int) -> ForceMap:
     return ForceMap(plane, first, **joined)
 
 
-def ratios(found: ForceMap, row: pd.Series) -> dict[str, np.ndarray]:
+def ratios(plane_map: ForceMap, row: pd.Series) -> dict[str, np.ndarray]:
     """Return lift over weight and thrust over drag of a map, by ``lift`` and ``thrust``."""
-    return {"lift": found.lift_n / row["weight_n"], "thrust": found.thrust_n / row["drag_n"]}
+    return {"lift": plane_map.lift_n / row["weight_n"], "thrust": plane_map.thrust_n / row["drag_n"]}
 
 
-def field_table(found: ForceMap, row: pd.Series) -> pa.Table:
+def field_table(plane_map: ForceMap, row: pd.Series) -> pa.Table:
     """Return a force map as a table, one row a point, the optimum in its metadata.
 
     Parameters
     ----------
-    found : ForceMap
+    plane_map : ForceMap
         The map.
     row : Series
         The optimum through which it goes.
     """
-    shape = found.lift_n.shape
-    columns = {name: np.full(found.lift_n.size, row[name]) for name in ("x_m", "y_m", "z_m", "phase")}
-    second = FIELD[COORDINATES.index(PLANES[found.plane])].name
-    columns["x_m"] = np.broadcast_to(found.first, shape).ravel()
-    columns[second] = np.broadcast_to(found.second[:, None], shape).ravel()
-    columns |= {"lift_n": found.lift_n.ravel(), "thrust_n": found.thrust_n.ravel()}
-    metadata = provenance("") | {"plane": found.plane} | {name: str(row[name]) for name in OF_THE_OPTIMUM}
+    shape = plane_map.lift_n.shape
+    columns = {name: np.full(plane_map.lift_n.size, row[name]) for name in ("x_m", "y_m", "z_m", "phase")}
+    second = FIELD[COORDINATES.index(PLANES[plane_map.plane])].name
+    columns["x_m"] = np.broadcast_to(plane_map.first, shape).ravel()
+    columns[second] = np.broadcast_to(plane_map.second[:, None], shape).ravel()
+    columns |= {"lift_n": plane_map.lift_n.ravel(), "thrust_n": plane_map.thrust_n.ravel()}
+    metadata = provenance("") | {"plane": plane_map.plane} | {name: str(row[name]) for name in OF_THE_OPTIMUM}
     return pa.table(columns, schema=schema_of(FIELD).with_metadata(metadata))
 
 
-def write_field(found: ForceMap, row: pd.Series, path: Path) -> None:
+def write_field(plane_map: ForceMap, row: pd.Series, path: Path) -> None:
     """Write a force map as Parquet, whole or not at all."""
     with replacing(path) as unfinished:
-        pq.write_table(field_table(found, row), unfinished, **TABLE_OPTIONS | {"write_statistics": True})
+        pq.write_table(field_table(plane_map, row), unfinished, **TABLE_OPTIONS | {"write_statistics": True})

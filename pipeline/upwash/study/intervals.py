@@ -70,12 +70,12 @@ def intervals(optima: pd.DataFrame) -> pd.DataFrame:
 def ends_of(samples: pd.DataFrame, keys: Sequence[str], names: Sequence[str]) -> pd.DataFrame:
     """Return the ends of some columns' intervals for each group of samples, NaN where there are too few."""
     groups = samples.groupby(list(keys))[list(names)]
-    found: dict[str, pd.Series] = {}
+    ends: dict[str, pd.Series] = {}
     few = groups.count() < LEAST_SAMPLES
     for end, share in (("low", LOW), ("high", HIGH)):
         quantiles = groups.quantile(share).mask(few)
-        found |= {f"{name}_{end}": quantiles[name] for name in names}
-    return pd.DataFrame(found)
+        ends |= {f"{name}_{end}": quantiles[name] for name in names}
+    return pd.DataFrame(ends)
 
 
 def outside_of_samples(optima: pd.DataFrame, samples: pd.DataFrame) -> set[str]:

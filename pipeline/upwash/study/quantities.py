@@ -155,23 +155,23 @@ def with_quantities(rows: pd.DataFrame) -> pd.DataFrame:
     DataFrame
         The rows and the columns of `GROUPS` and of `QUANTITIES` but `v_gap`, which needs all of a job's rows.
     """
-    found = with_groups(rows)
+    scaled = with_groups(rows)
     semispan, wavelength = rows["semispan_m"], rows["speed_m_s"] * rows["period_s"]
     x, y, z = (rows[name].astype(float) for name in ("x_m", "y_m", "z_m"))
     saved = rows["leader_power_total_w"] - rows["power_total_w"]
-    found["x_wavelengths"] = x / wavelength
-    found["x_semispans"] = x / semispan
-    found["y_semispans"] = y / semispan
-    found["tip_spacing_semispans"] = y / semispan - 2.0
-    found["z_semispans"] = z / semispan
-    found["z_amplitudes"] = z / rows["leader_amplitude_m"]
+    scaled["x_wavelengths"] = x / wavelength
+    scaled["x_semispans"] = x / semispan
+    scaled["y_semispans"] = y / semispan
+    scaled["tip_spacing_semispans"] = y / semispan - 2.0
+    scaled["z_semispans"] = z / semispan
+    scaled["z_amplitudes"] = z / rows["leader_amplitude_m"]
     # The leader's wingtip was here x/lambda wingbeats ago.
-    found["path_phase"] = np.mod(rows["phase"] - x / wavelength + 0.5, 1.0) - 0.5
-    found["profile_share"] = (rows["leader_power_profile_w"] - rows["power_profile_w"]) / saved
-    found["saving_cost"] = 1.0 - rows["cost"] / rows["cost_leader"]
-    found["amplitude_reduction"] = 1.0 - rows["amplitude_m"] / rows["leader_amplitude_m"]
-    found["span_ratio_reduction"] = 1.0 - rows["upstroke_span_ratio"] / rows["leader_upstroke_span_ratio"]
-    return found
+    scaled["path_phase"] = np.mod(rows["phase"] - x / wavelength + 0.5, 1.0) - 0.5
+    scaled["profile_share"] = (rows["leader_power_profile_w"] - rows["power_profile_w"]) / saved
+    scaled["saving_cost"] = 1.0 - rows["cost"] / rows["cost_leader"]
+    scaled["amplitude_reduction"] = 1.0 - rows["amplitude_m"] / rows["leader_amplitude_m"]
+    scaled["span_ratio_reduction"] = 1.0 - rows["upstroke_span_ratio"] / rows["leader_upstroke_span_ratio"]
+    return scaled
 
 
 def optima_of_jobs(rows: pd.DataFrame) -> pd.DataFrame:
@@ -195,19 +195,19 @@ def optima_of_jobs(rows: pd.DataFrame) -> pd.DataFrame:
     scaled = with_quantities(rows)
     best = scaled.sort_values(["job_id", "rank"]).drop_duplicates("job_id").set_index("job_id")
     in_v = scaled[scaled["is_v_optimum"].eq(True)].set_index("job_id").reindex(best.index)
-    found = best[[*OF_THE_JOB, *(column.name for column in GROUPS)]].copy()
+    optima = best[[*OF_THE_JOB, *(column.name for column in GROUPS)]].copy()
     for column in QUANTITIES:
         if column.name != "v_gap":
-            found[column.name] = in_v[column.name].astype(float)
-    found["v_gap"] = in_v["cost"] / best["cost"] - 1.0
-    found["v_gap_bound"] = in_v["cost"] / best["global_lower_bound"] - 1.0
-    found["has_v"] = in_v["cost"].notna()
+            optima[column.name] = in_v[column.name].astype(float)
+    optima["v_gap"] = in_v["cost"] / best["cost"] - 1.0
+    optima["v_gap_bound"] = in_v["cost"] / best["global_lower_bound"] - 1.0
+    optima["has_v"] = in_v["cost"].notna()
     is_in_v = (scaled[["placement", "tier", "station"]] == list(V_LABELS)).all(axis=1)
     cost_of_v = scaled["job_id"].map(in_v["cost"])
     alike = scaled[is_in_v & (scaled["cost"] <= (1.0 + ALIKE) * cost_of_v)].groupby("job_id")["saving_total"]
-    found["v_alike"] = alike.size().reindex(found.index, fill_value=0)
-    found["v_alike_saving_low"] = alike.min().reindex(found.index)
-    found["v_alike_saving_high"] = alike.max().reindex(found.index)
+    optima["v_alike"] = alike.size().reindex(optima.index, fill_value=0)
+    optima["v_alike_saving_low"] = alike.min().reindex(optima.index)
+    optima["v_alike_saving_high"] = alike.max().reindex(optima.index)
     for name in ("placement", "tier", "station", "x_semispans", "y_semispans", "z_semispans", "saving_total"):
-        found[f"best_{name}"] = best[name]
-    return found
+        optima[f"best_{name}"] = best[name]
+    return optima

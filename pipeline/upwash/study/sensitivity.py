@@ -106,12 +106,12 @@ def sensitivity(rows: pd.DataFrame, jobs: list[str]) -> pd.DataFrame:
             f"sensitivity: expected a result for each of the sweep's {len(jobs)} jobs, found {missing} "
             "without; run the sweep to its end"
         )
-    found = [
+    rows_of_indices = [
         row
         for key, group in optima.loc[jobs].groupby(list(KEYS), sort=True)
         for row in _indices(dict(zip(KEYS, key, strict=True)), group)
     ]
-    return pd.DataFrame(found, columns=[column.name for column in SENSITIVITY])
+    return pd.DataFrame(rows_of_indices, columns=[column.name for column in SENSITIVITY])
 
 
 def _indices(key: dict[str, Any], optima: pd.DataFrame) -> Iterator[dict[str, Any]]:
@@ -153,7 +153,7 @@ def _sobol(points: NDArray[Any], inputs: list[str]) -> dict[str, NDArray[np.floa
         return {name: np.full(len(inputs), np.nan) for name in names}
     analyze = _salib()
     problem = {"num_vars": len(inputs), "names": inputs, "bounds": [[0.0, 1.0]] * len(inputs)}
-    found = analyze(
+    indices = analyze(
         problem,
         points.ravel(),
         calc_second_order=False,
@@ -161,7 +161,7 @@ def _sobol(points: NDArray[Any], inputs: list[str]) -> dict[str, NDArray[np.floa
         conf_level=CONFIDENCE,
         seed=BOOTSTRAP_SEED,
     )
-    return {name: np.asarray(found[theirs], dtype=float) for name, theirs in names.items()}
+    return {name: np.asarray(indices[theirs], dtype=float) for name, theirs in names.items()}
 
 
 def _salib() -> Any:
@@ -210,7 +210,7 @@ def design_of(jobs: pd.DataFrame) -> Design:
     if not (from_first | exchanged).all():
         raise error
     order = exchanged.argmax(axis=1)
-    return Design([names[one] for one in order], jobs.index.to_numpy().reshape(-1, count + 2))
+    return Design([names[number] for number in order], jobs.index.to_numpy().reshape(-1, count + 2))
 
 
 def _sampled_inputs(jobs: pd.DataFrame) -> pd.DataFrame:

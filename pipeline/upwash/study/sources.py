@@ -87,7 +87,7 @@ def read_study(path: Path) -> Study:
         table = read_table(path / GATHERED[kind], ROWS[kind])
     except Damaged as error:
         raise UpwashError(
-            f"{error}; 'upwash check {path}' says more, running the sweep again mends it"
+            f"{error}; 'upwash check {path}' says more, running the sweep again fixes it"
         ) from error
     return Study(path, kind, table.to_pandas(), metadata_of(table.schema))
 
@@ -171,14 +171,14 @@ def _own_inputs(problems: pd.DataFrame) -> pd.Series:
         if path.exists():
             own = load_species(path).bird()
             same = [np.isclose(of_it[name], getattr(own, name)) for name in NUMBERS if hasattr(own, name)]
-            count[of_it.index] = sum(one.astype(int) for one in same)
+            count[of_it.index] = sum(is_same.astype(int) for is_same in same)
     return count
 
 
-def _same_problem(rows: pd.DataFrame, one: pd.Series) -> pd.Series:
+def _same_problem(rows: pd.DataFrame, problem: pd.Series) -> pd.Series:
     same = pd.Series(True, index=rows.index)
     for name in PROBLEM:
-        same &= rows[name] == one[name]
+        same &= rows[name] == problem[name]
     return same
 
 
@@ -197,9 +197,9 @@ def varied_inputs(rows: pd.DataFrame, pair: pd.DataFrame) -> dict[str, pd.DataFr
     told_apart = [name for name in PROBLEM if name != "amplitude_convention"]
     differs = pd.DataFrame({name: rows[name] != base[name] for name in told_apart})
     count = differs.sum(axis=1)
-    found = {}
+    varied = {}
     for name in NUMBERS:
         alone = rows[(count == 0) | ((count == 1) & differs[name])]
         if alone[name].nunique() >= LEAST_VALUES:
-            found[name] = alone
-    return found
+            varied[name] = alone
+    return varied

@@ -63,6 +63,8 @@ def samples_beside(
     samples = read_rows(beside)
     strays = outside_of_samples(optima_of_jobs(rows), optima_of_jobs(samples))
     if strays:
-        found = f"found {', '.join(sorted(strays))} outside, left without"
-        tell(f"{folder}: intervals: expected each bird among its samples in {beside}, {found}; run it again")
+        strayed = f"found {', '.join(sorted(strays))} outside, left without"
+        tell(
+            f"{folder}: intervals: expected each bird among its samples in {beside}, {strayed}; run it again"
+        )
     return samples[~samples["species"].isin(strays)]

@@ -66,7 +66,7 @@ def read_sources(*results: str | os.PathLike[str]) -> Sources:
     UpwashError
         If one of them is no gathered results folder.
     """
-    return sort_studies(read_study(Path(one)) for one in results)
+    return sort_studies(read_study(Path(folder)) for folder in results)
 
 
 def draw(name: str, *results: str | os.PathLike[str]) -> Figure:

@@ -36,8 +36,8 @@ def means(birds: pd.DataFrame) -> pd.DataFrame:
     """
     size = np.arange(1, len(birds) + 1)
     saving = birds["saving_total"].to_numpy().cumsum() / size
-    found = pd.DataFrame({"size": size, "saving": saving, "range_gain": 1.0 / (1.0 - saving) - 1.0})
-    return found[1:]
+    means_by_size = pd.DataFrame({"size": size, "saving": saving, "range_gain": 1.0 / (1.0 - saving) - 1.0})
+    return means_by_size[1:]
 
 
 def describe(flock: pd.DataFrame) -> str:

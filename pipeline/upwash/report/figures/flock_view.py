@@ -112,12 +112,12 @@ def _draw_above(axes: Axes, bird: pd.Series, color: str) -> None:
 
 def ring_stations(phase: float) -> list[tuple[float, float, bool]]:
     """Return where a bird's rings lie: first and last distance in wavelengths, and whether of an upstroke."""
-    found = []
+    stations = []
     for k in (-2, -1, 0, 1):
         first, last = max(phase + 0.5 * k, 0.0), min(phase + 0.5 * (k + 1), 1.0)
         if last - first > 1e-12:
-            found.append((first, last, k % 2 == 0))
-    return found
+            stations.append((first, last, k % 2 == 0))
+    return stations
 
 
 def _draw_side(axes: Axes, bird: pd.Series, color: str) -> None:

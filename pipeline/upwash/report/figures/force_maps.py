@@ -35,11 +35,11 @@ CLIPPED = 0.005
 def describe(pair: pd.DataFrame) -> str:
     """Say in words what the figure shows."""
     row = best(pair, objectives_of(pair)[0])
-    found = ratios(plane_through(row, "xy", 120), row)
+    reached = ratios(plane_through(row, "xy", 120), row)
     return (
-        f"Six maps. In the plane from above the vertical force runs from {found['lift'].min():.2f} to "
-        f"{found['lift'].max():.2f} of the weight and the thrust from {found['thrust'].min():.2f} to "
-        f"{found['thrust'].max():.2f} of the drag. Both are 1 at the optimum, {row['x_m']:.2f} m behind and "
+        f"Six maps. In the plane from above the vertical force runs from {reached['lift'].min():.2f} to "
+        f"{reached['lift'].max():.2f} of the weight and the thrust from {reached['thrust'].min():.2f} to "
+        f"{reached['thrust'].max():.2f} of the drag. Both are 1 at the optimum, {row['x_m']:.2f} m behind and "
         f"{row['y_m']:.2f} m aside; nearly everywhere else at least one is not enough."
     )
 
@@ -52,12 +52,12 @@ def draw(pair: pd.DataFrame, size: int = 300) -> Figure:
 
 
 @styled
-def draw_plane(found: ForceMap, row: pd.Series) -> Figure:
+def draw_plane(plane_map: ForceMap, row: pd.Series) -> Figure:
     """Draw the two maps of one plane.
 
     Parameters
     ----------
-    found : ForceMap
+    plane_map : ForceMap
         The map.
     row : Series
         The optimum through which it goes.
@@ -67,21 +67,21 @@ def draw_plane(found: ForceMap, row: pd.Series) -> Figure:
     Figure
         The figure.
     """
-    return _draw_maps(row, [found])
+    return _draw_maps(row, [plane_map])
 
 
 def _draw_maps(row: pd.Series, maps: list[ForceMap]) -> Figure:
     figure = Figure(figsize=(PAGE_WIDTH_IN, 1.0 + 1.75 * len(maps)), layout="constrained")
     panels = figure.subplots(len(maps), 2, squeeze=False, sharex=True)
-    values = [ratios(found, row) for found in maps]
+    values = [ratios(plane_map, row) for plane_map in maps]
     for column, quantity in enumerate(QUANTITIES):
-        norm = _norm(np.concatenate([found[quantity].ravel() for found in values]))
-        for line, found in enumerate(maps):
+        norm = _norm(np.concatenate([of_plane[quantity].ravel() for of_plane in values]))
+        for line, plane_map in enumerate(maps):
             axes = panels[line, column]
-            _draw_map(axes, row, found, values[line][quantity], norm)
+            _draw_map(axes, row, plane_map, values[line][quantity], norm)
             letter(axes, "abcdef"[2 * line + column], QUANTITIES[quantity] if line == 0 else "")
             axes.set_xlabel("x/λ, downstream" if line == len(maps) - 1 else "")
-            axes.set_ylabel(SECOND_LABELS[found.plane] if column == 0 else "")
+            axes.set_ylabel(SECOND_LABELS[plane_map.plane] if column == 0 else "")
         bar = figure.colorbar(
             ScalarMappable(norm), ax=panels[:, column], location="bottom", aspect=40, pad=0.02, extend="both"
         )
@@ -97,19 +97,21 @@ def _norm(values: np.ndarray) -> Normalize:
     return Normalize(min(low, 0.99), max(high, 1.01))
 
 
-def _draw_map(axes: Axes, row: pd.Series, found: ForceMap, values: np.ndarray, norm: Normalize) -> None:
-    unit = {"xy": row["semispan_m"], "xz": row["leader_amplitude_m"], "xk": 1.0}[found.plane]
-    x, second = found.first / (row["speed_m_s"] * row["period_s"]), found.second / unit
+def _draw_map(axes: Axes, row: pd.Series, plane_map: ForceMap, values: np.ndarray, norm: Normalize) -> None:
+    unit = {"xy": row["semispan_m"], "xz": row["leader_amplitude_m"], "xk": 1.0}[plane_map.plane]
+    x, second = plane_map.first / (row["speed_m_s"] * row["period_s"]), plane_map.second / unit
     extent = (x[0], x[-1], second[0], second[-1])
     axes.imshow(values, origin="lower", extent=extent, aspect="auto", norm=norm, interpolation="nearest")
     axes.contour(x, second, values, levels=[1.0], colors="black", linewidths=0.8)
-    place = {"xy": row["y_m"], "xz": row["z_m"], "xk": row["phase"]}[found.plane] / unit
+    place = {"xy": row["y_m"], "xz": row["z_m"], "xk": row["phase"]}[plane_map.plane] / unit
     axes.plot(
         0.0, 0.0, "D", color="black", markeredgecolor="white", markersize=5, clip_on=False, label="leader"
     )
     look = mark(row["objective"], color="#E69F00", markeredgecolor="black", markersize=5, clip_on=False)
     look["label"] = f"follower, {least(row['objective'])}"
-    axes.plot(row["x_m"] / (row["speed_m_s"] * row["period_s"]), place, gid=f"optimum {found.plane}", **look)
+    axes.plot(
+        row["x_m"] / (row["speed_m_s"] * row["period_s"]), place, gid=f"optimum {plane_map.plane}", **look
+    )
 
 
 PICTURE = Picture("force-maps", "The force on a follower, place by place", CAPTION, describe, draw)

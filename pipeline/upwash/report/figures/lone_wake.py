@@ -58,11 +58,11 @@ def impulses(bird: Bird) -> dict[str, tuple[float, float]]:
 def describe(pair: pd.DataFrame) -> str:
     """Say in words what the figure shows."""
     bird = bird_of(pair.iloc[0])
-    found = impulses(bird)
+    impulse = impulses(bird)
     return (
         f"Three sketches of the wake of a {common_name(pair.iloc[0]['species']).lower()} flying alone. A "
-        f"downstroke's ring has {found['down'][1]:.2f} N s of upward and {found['down'][0]:.2f} N s of "
-        f"upstream impulse, an upstroke's {found['up'][1]:.2f} N s upward and {-found['up'][0]:.2f} N s "
+        f"downstroke's ring has {impulse['down'][1]:.2f} N s of upward and {impulse['down'][0]:.2f} N s of "
+        f"upstream impulse, an upstroke's {impulse['up'][1]:.2f} N s upward and {-impulse['up'][0]:.2f} N s "
         f"downstream; over a wingbeat of {bird.period_s:.3g} s that is {bird.weight_n:.4g} N of lift and "
         f"{bird.drag_n:.3g} N of thrust."
     )
@@ -124,8 +124,8 @@ def _height(bird: Bird) -> float:
 
 def _draw_side(axes: Axes, bird: Bird) -> None:
     half, tip = bird.wavelength_m / 2.0, bird.amplitude_m / 2.0
-    found = impulses(bird)
-    scale = 0.9 * bird.amplitude_m / max(up for _, up in found.values())
+    impulse = impulses(bird)
+    scale = 0.9 * bird.amplitude_m / max(up for _, up in impulse.values())
     rings = (("up", 0.0, tip, -tip, UPSTROKE, "--"), ("down", half, -tip, tip, DOWNSTROKE, "-"))
     for name, start, first, last, color, line in rings:
         axes.plot(
@@ -136,7 +136,7 @@ def _draw_side(axes: Axes, bird: Bird) -> None:
             linewidth=2.0,
             gid=f"{name} ring",
         )
-        upstream, up = found[name]
+        upstream, up = impulse[name]
         middle = start + half / 2.0
         axes.annotate(
             "",

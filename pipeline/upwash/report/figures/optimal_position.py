@@ -96,7 +96,7 @@ def draw(pair: pd.DataFrame, observations: pd.DataFrame) -> Figure:
     _draw_side(panels[0, 1], rows)
     forces = {row["objective"]: wake_forces(row) for row in rows}
     _draw_forces(panels[1, 0], forces, (*STATES, "m"), "c")
-    small = np.abs([found[[0, 2, 3]] for found in forces.values()]).max(axis=(0, 1)) * (1.3, 1.8)
+    small = np.abs([of_states[[0, 2, 3]] for of_states in forces.values()]).max(axis=(0, 1)) * (1.3, 1.8)
     _draw_forces(panels[1, 1], forces, ("uu", "du", "dd"), "d")
     panels[1, 1].set(xlim=(-small[0], small[0]), ylim=(-small[1], small[1]))
     panels[1, 0].add_patch(Rectangle(-small, *(2.0 * small), fill=False, edgecolor=FAINT, linewidth=0.7))
@@ -181,9 +181,9 @@ def _draw_side(axes: Axes, rows: list[pd.Series]) -> None:
 def _draw_forces(axes: Axes, forces: dict[str, np.ndarray], shown: tuple[str, ...], name: str) -> None:
     axes.axhline(0.0, color=FAINT, linewidth=0.5)
     axes.axvline(0.0, color=FAINT, linewidth=0.5)
-    for objective, found in forces.items():
+    for objective, of_states in forces.items():
         look = OBJECTIVES[objective]
-        for state, (thrust, lift) in zip((*STATES, "m"), found, strict=True):
+        for state, (thrust, lift) in zip((*STATES, "m"), of_states, strict=True):
             if state not in shown:
                 continue
             line = ":" if state == "m" else look["linestyle"]
@@ -191,7 +191,7 @@ def _draw_forces(axes: Axes, forces: dict[str, np.ndarray], shown: tuple[str, ..
             axes.plot(thrust, lift, **mark(objective, markersize=4), gid=f"force {objective} {state}")
     # In the wide panel the small ones lie upon one another: they are named in the other.
     for state in [state for state in shown if name == "d" or state in ("ud", "m")]:
-        points = np.array([found[(*STATES, "m").index(state)] for found in forces.values()])
+        points = np.array([of_states[(*STATES, "m").index(state)] for of_states in forces.values()])
         for thrust, lift in points if name == "c" else [points.mean(axis=0)]:
             axes.annotate(state, (thrust, lift), (0, 5), textcoords="offset points", ha="center", va="bottom")
     axes.set(xlabel="thrust from the wake / D (right: forwards)", ylabel="lift from the wake / W")

@@ -68,8 +68,8 @@ def describe(varied: pd.DataFrame) -> str:
     parts = []
     for name, rows in varied_inputs(varied, subject(varied)).items():
         objective = objectives_of(rows)[0]
-        found = curve(rows, name, objective).dropna()
-        first, last = found.iloc[0], found.iloc[-1]
+        saving = curve(rows, name, objective).dropna()
+        first, last = saving.iloc[0], saving.iloc[-1]
         parts.append(
             f"{column(name).label} {first[name]:.3g} to {last[name]:.3g}: {percent(first['saving_total'], 1)} "
             f"to {percent(last['saving_total'], 1)}"
@@ -102,11 +102,11 @@ def draw(varied: pd.DataFrame) -> Figure:
 def draw_curves(axes: Axes, rows: pd.DataFrame, name: str) -> None:
     """Draw saving against one input, a line for each objective."""
     for objective in objectives_of(rows):
-        found = curve(rows, name, objective)
+        saving = curve(rows, name, objective)
         style = OBJECTIVES[objective]
         axes.plot(
-            found[name],
-            found["saving_total"],
+            saving[name],
+            saving["saving_total"],
             color=style["color"],
             linestyle=style["linestyle"],
             marker=style["marker"],

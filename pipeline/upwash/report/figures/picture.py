@@ -51,4 +51,4 @@ class Picture:
     def _frames(self) -> dict[str, bool]:
         """Return each frame that it takes, and whether it is needed."""
         parameters = inspect.signature(self.describe).parameters.values()
-        return {one.name: one.default is one.empty for one in parameters}
+        return {parameter.name: parameter.default is parameter.empty for parameter in parameters}

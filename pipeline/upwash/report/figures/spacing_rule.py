@@ -51,13 +51,13 @@ def draw(pair: pd.DataFrame) -> Figure:
     """Draw the spacing rule."""
     rows = [best(pair, objective) for objective in objectives_of(pair)]
     figure = Figure(figsize=(PAGE_WIDTH_IN, 2.7), layout="constrained")
-    down_up, up_down, found = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 0.75))
+    down_up, up_down, beside_rule = figure.subplots(1, 3, width_ratios=(1.0, 1.0, 0.75))
     _draw_states(down_up, rows[0], leader_state=1, follower_state=0)
     letter(down_up, "a", "Leader down, follower up")
     _draw_states(up_down, rows[0], leader_state=0, follower_state=1)
     letter(up_down, "b", "Leader up, follower down")
     up_down.set_ylabel("")
-    _draw_found(found, rows)
+    _draw_found(beside_rule, rows)
     legend_below(figure, down_up, 5)
     return figure
 
@@ -121,7 +121,7 @@ def _draw_wing(axes: Axes, x: float, y: float, state: int, ratio: float, color: 
 def _draw_found(axes: Axes, rows: list[pd.Series]) -> None:
     for place, row in enumerate(rows):
         rule = spanwise_spacing_rule(1.0, row["upstroke_span_ratio"])
-        found = row["y_m"] / row["semispan_m"]
+        spacing = row["y_m"] / row["semispan_m"]
         axes.plot(
             [place - 0.3, place + 0.3],
             [rule, rule],
@@ -129,10 +129,10 @@ def _draw_found(axes: Axes, rows: list[pd.Series]) -> None:
             linewidth=2.0,
             gid=f"rule {row['objective']}",
         )
-        axes.plot(place, found, **mark(row["objective"], markersize=6), gid=f"found {row['objective']}")
+        axes.plot(place, spacing, **mark(row["objective"], markersize=6), gid=f"found {row['objective']}")
         axes.annotate(
-            f"{signed(100.0 * (found / rule - 1.0), 1)} %",
-            (place, found),
+            f"{signed(100.0 * (spacing / rule - 1.0), 1)} %",
+            (place, spacing),
             (0, 6),
             textcoords="offset points",
             ha="center",

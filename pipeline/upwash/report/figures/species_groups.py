@@ -33,24 +33,24 @@ PANEL_PT = (145.0, 200.0)
 
 
 def _chosen(species: pd.DataFrame, samples: pd.DataFrame | None) -> pd.DataFrame:
-    found = compare(species, samples)
-    return found[found["objective"] == objectives_of(found)[0]]
+    compared = compare(species, samples)
+    return compared[compared["objective"] == objectives_of(compared)[0]]
 
 
 def describe(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> str:
     """Say in words what the figure shows."""
-    found = _chosen(species, samples)
+    compared = _chosen(species, samples)
     ranges = [
-        f"{words} {found[name].min():.2f} to {found[name].max():.2f}"
+        f"{words} {compared[name].min():.2f} to {compared[name].max():.2f}"
         for name, words in (
             ("wavelength_number", "wavelength"),
             ("amplitude_number", "amplitude"),
         )
     ]
-    most = found.sort_values("saving_total", na_position="first").iloc[-1]
+    most = compared.sort_values("saving_total", na_position="first").iloc[-1]
     return (
-        f"A chart of {found['species'].nunique()} species: weight number {found['weight_number'].min():.3f} "
-        f"to {found['weight_number'].max():.3f}, {' and '.join(ranges)} semispans. The "
+        f"A chart of {compared['species'].nunique()} species: weight number {compared['weight_number'].min():.3f} "
+        f"to {compared['weight_number'].max():.3f}, {' and '.join(ranges)} semispans. The "
         f"{common_name(most['species']).lower()} saves most, {percent(most['saving_total'], 1)}, at weight number "
         f"{most['weight_number']:.3f} and wavelength {most['wavelength_number']:.2f} semispans."
     )
@@ -59,13 +59,13 @@ def describe(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> str:
 @styled
 def draw(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> Figure:
     """Draw the chart of dimensionless groups."""
-    found, order = _chosen(species, samples), order_of(species)
+    compared, order = _chosen(species, samples), order_of(species)
     figure = Figure(figsize=(PAGE_WIDTH_IN, 4.8), layout="constrained")
     panels = figure.subplots(1, 2)
-    norm = Normalize(0.0, found["saving_total"].max())
+    norm = Normalize(0.0, compared["saving_total"].max())
     for axes, second in zip(panels, ("weight_number", "amplitude_number"), strict=True):
-        for convention, rows in found.groupby("amplitude_convention", sort=False):
-            own = convention == found["amplitude_convention"].iloc[0]
+        for convention, rows in compared.groupby("amplitude_convention", sort=False):
+            own = convention == compared["amplitude_convention"].iloc[0]
             if second == "weight_number" and not own:
                 continue  # the weight number does not depend on the amplitude
             look = {
@@ -86,7 +86,7 @@ def draw(species: pd.DataFrame, samples: pd.DataFrame | None = None) -> Figure:
             )
             if own:
                 numbers = [order.index(species) + 1 for species in rows["species"]]
-                every = found[["wavelength_number", second]].to_numpy()
+                every = compared[["wavelength_number", second]].to_numpy()
                 _number(axes, rows[["wavelength_number", second]].to_numpy(), numbers, every)
         axes.set_xlabel("λ/b")
     panels[0].set_ylabel("$W/(ρ b^2 U^2)$")
@@ -124,7 +124,7 @@ def _number(axes: Axes, points: np.ndarray, numbers: list[int], every: np.ndarra
     low, high = every.min(axis=0), every.max(axis=0)
     taken = list((every - low) / (high - low) * PANEL_PT)
     for point, place, number in zip(points, (points - low) / (high - low) * PANEL_PT, numbers, strict=True):
-        others = np.array([one for one in taken if not np.array_equal(one, place)])
+        others = np.array([point_taken for point_taken in taken if not np.array_equal(point_taken, place)])
         for distance in LABEL_DISTANCES_PT:
             room = np.linalg.norm(place + distance * around[:, None] - others, axis=-1).min(axis=1)
             if room.max() >= LABEL_ROOM_PT:

@@ -48,26 +48,26 @@ def compared(
     DataFrame
         Columns of `upwash.study.observations.OBSERVED`, without what compares with nothing.
     """
-    found = compare_with_observations(species, samples, observations)
+    beside = compare_with_observations(species, samples, observations)
     # What the paper got from this very model is no observation.
-    found = found[(found["verdict"] != NOT_COMPARED) & ~found["this_model"].astype(bool)].copy()
-    found["label"] = found["study"].map(observations.set_index("study")["label"].to_dict())
-    birds = species.groupby("species")[["semispan_m", "speed_m_s", "period_s"]].first().loc[found["species"]]
+    beside = beside[(beside["verdict"] != NOT_COMPARED) & ~beside["this_model"].astype(bool)].copy()
+    beside["label"] = beside["study"].map(observations.set_index("study")["label"].to_dict())
+    birds = species.groupby("species")[["semispan_m", "speed_m_s", "period_s"]].first().loc[beside["species"]]
     b, wavelength = birds["semispan_m"].to_numpy(), (birds["speed_m_s"] * birds["period_s"]).to_numpy()
     units = {"m": 1.0 / b, "wingspans": 2.0, "semispans": 1.0, "wavelengths": wavelength / b}
-    scale = np.select([found["unit"] == unit for unit in units], list(units.values()), 1.0)
-    between_tips = np.where(found["quantity"] == "wingtip_spacing", 2.0, 0.0)
+    scale = np.select([beside["unit"] == unit for unit in units], list(units.values()), 1.0)
+    between_tips = np.where(beside["quantity"] == "wingtip_spacing", 2.0, 0.0)
     for name in ("observed", "observed_low", "observed_high", "ours", "ours_low", "ours_high"):
-        found[name] = found[name].astype(float) * scale + between_tips
-    return found
+        beside[name] = beside[name].astype(float) * scale + between_tips
+    return beside
 
 
 def describe(species: pd.DataFrame, observations: pd.DataFrame, samples: pd.DataFrame | None = None) -> str:
     """Say in words what the figure shows."""
-    found = compared(species, observations, samples)
+    beside = compared(species, observations, samples)
     parts = []
     for title, _, quantities in PANELS:
-        counts = found[found["quantity"].isin(quantities)]["verdict"].value_counts()
+        counts = beside[beside["quantity"].isin(quantities)]["verdict"].value_counts()
         words = ", ".join(f"{verdict} {counts[verdict]}" for verdict in VERDICTS if verdict in counts)
         parts.append(f"{title.lower()}: {words or 'nothing'}")
     return (
@@ -80,21 +80,21 @@ def describe(species: pd.DataFrame, observations: pd.DataFrame, samples: pd.Data
 @styled
 def draw(species: pd.DataFrame, observations: pd.DataFrame, samples: pd.DataFrame | None = None) -> Figure:
     """Draw our values beside the published ones."""
-    found = compared(species, observations, samples)
-    panels = [found[found["quantity"].isin(quantities)] for _, _, quantities in PANELS]
+    beside = compared(species, observations, samples)
+    panels = [beside[beside["quantity"].isin(quantities)] for _, _, quantities in PANELS]
     lines = [max(1, _count(panels[i]), _count(panels[i + 1])) for i in (0, 2)]
     height = 1.9 + 1.3 * ROW_IN * sum(lines)
     figure = Figure(figsize=(PAGE_WIDTH_IN, height), layout="constrained")
     axes = figure.subplots(2, 2, height_ratios=lines)
-    for one, rows, (title, label, _), name in zip(axes.flat, panels, PANELS, "abcd", strict=True):
-        _draw_panel(one, rows)
-        one.set_xlabel(label)
-        letter(one, name, title)
+    for panel_axes, rows, (title, label, _), name in zip(axes.flat, panels, PANELS, "abcd", strict=True):
+        _draw_panel(panel_axes, rows)
+        panel_axes.set_xlabel(label)
+        letter(panel_axes, name, title)
     entries = [
         dot("published, measured on birds", marker="D", color=OBSERVED),
         dot("published, computed by theory", marker="D", color=OBSERVED, markerfacecolor="white"),
     ]
-    add_legend(figure, found, entries)
+    add_legend(figure, beside, entries)
     return figure
 
 

@@ -153,21 +153,21 @@ def _draw_panels(
     compared, order = compare(species, samples), order_of(species)
     is_of_changes = any(panel.column.endswith(CHANGE) for panel in panels)
     changes = compare_objectives(species, samples).assign(objective=CHANGE) if is_of_changes else None
-    for one, panel, name in zip(axes, panels, "abcd", strict=False):
-        one.set_axisbelow(True)
+    for panel_axes, panel, name in zip(axes, panels, "abcd", strict=False):
+        panel_axes.set_axisbelow(True)
         for line in range(len(order)):
-            one.axhline(line, color=FAINT, alpha=0.25, linewidth=0.5, zorder=0)
-        one.tick_params(axis="y", length=0)
+            panel_axes.axhline(line, color=FAINT, alpha=0.25, linewidth=0.5, zorder=0)
+        panel_axes.tick_params(axis="y", length=0)
         table = changes if changes is not None and panel.column.endswith(CHANGE) else compared
-        _draw_rows(one, table, panel, order)
+        _draw_rows(panel_axes, table, panel, order)
         if panel.guide is not None:
-            one.axvline(panel.guide, color=FAINT, linewidth=0.7, linestyle=panel.guide_style)
+            panel_axes.axvline(panel.guide, color=FAINT, linewidth=0.7, linestyle=panel.guide_style)
         if panel.is_share:
-            in_percent(one.xaxis)
+            in_percent(panel_axes.xaxis)
         if panel.most_ticks:
-            one.xaxis.set_major_locator(MaxNLocator(panel.most_ticks))
-        one.set_xlabel(panel.label)
-        letter(one, name, panel.title)
+            panel_axes.xaxis.set_major_locator(MaxNLocator(panel.most_ticks))
+        panel_axes.set_xlabel(panel.label)
+        letter(panel_axes, name, panel.title)
     axes[0].set_yticks(range(len(order)), [common_name(name) for name in order])
     return compared
 

@@ -42,14 +42,14 @@ def power_curves(speeds: pd.DataFrame) -> dict[str, pd.DataFrame]:
         Key of `CURVES` -> ``speed_m_s`` in increasing order and ``power_w``; airspeeds without such an
         optimum are left out.
     """
-    found = {}
+    curves = {}
     for name in CURVES:
         of_it = speeds[speeds["rank"] == 0] if name == "alone" else speeds[speeds[name].eq(True)]
         power = of_it["leader_power_total_w" if name == "alone" else "power_total_w"]
-        found[name] = pd.DataFrame({"speed_m_s": of_it["speed_m_s"], "power_w": power}).sort_values(
+        curves[name] = pd.DataFrame({"speed_m_s": of_it["speed_m_s"], "power_w": power}).sort_values(
             "speed_m_s"
         )
-    return {name: curve for name, curve in found.items() if len(curve)}
+    return {name: curve for name, curve in curves.items() if len(curve)}
 
 
 def describe(speeds: pd.DataFrame) -> str:
