@@ -57,6 +57,8 @@ SCHEMA = schema_of(
         Column("time_s", "s", "wall time"),
         Column("processor_s", "s", "processor time, that of the workers included"),
         Column("memory_mb", "MB", "peak memory of the largest process"),
+        Column("files", "1", "files in the results folder after the step", INTEGER),
+        Column("folder_mb", "MB", "size of the results folder after the step"),
         Column("load", "1", "processes that wanted a core in the minute before, this study's included"),
         Column("processor", "", "model of the processor", TEXT),
         Column("cores", "1", "number of the processor's cores", INTEGER),
@@ -82,7 +84,10 @@ def steps(jobs: int) -> Iterator[dict[str, Any]]:
         folder = Path(name)
         (folder / "sweep.toml").write_text(SWEEP.format(jobs=jobs), encoding="utf-8")
         for step, arguments in STEPS.items():
-            yield {"contest": "batch_scale", "jobs": jobs, "step": step} | measured(folder, *arguments)
+            about = {"contest": "batch_scale", "jobs": jobs, "step": step}
+            taken = measured(folder, *arguments)
+            sizes = [path.stat().st_size for path in (folder / "results").rglob("*") if path.is_file()]
+            yield about | taken | {"files": len(sizes), "folder_mb": sum(sizes) / 1e6}
 
 
 def measured(folder: Path, *arguments: str) -> dict[str, float]:
@@ -102,7 +107,17 @@ def measured(folder: Path, *arguments: str) -> dict[str, float]:
 def report(rows: Sequence[dict[str, Any]]) -> str:
     """Return the figures to read: of each step, what it took, for a job, and over the smallest sweep's."""
     lines = [f"batch_scale: jobs that compute nothing, {WORKERS} workers"]
-    heads = "wall", "processor", "memory", "wall/job", "processor/job", "over smallest", "load"
+    heads = (
+        "wall",
+        "processor",
+        "memory",
+        "wall/job",
+        "processor/job",
+        "over smallest",
+        "files",
+        "bytes/job",
+        "load",
+    )
     lines.append(f"  {'':18} {'jobs':>8}" + "".join(f" {head:>13}" for head in heads))
     for step in STEPS:
         some = [row for row in rows if row["step"] == step]
@@ -110,6 +125,7 @@ def report(rows: Sequence[dict[str, Any]]) -> str:
         for row, processor in zip(some, each, strict=True):
             cells = [in_words(row["time_s"]), in_words(row["processor_s"]), f"{row['memory_mb']:.0f} MB"]
             cells += [in_words(row["time_s"] / row["jobs"]), in_words(processor)]
-            cells += [f"{processor / each[0]:.2f}", f"{row['load']:.1f}"]
+            cells += [f"{processor / each[0]:.2f}", f"{row['files']}"]
+            cells += [f"{1e6 * row['folder_mb'] / row['jobs']:.0f}", f"{row['load']:.1f}"]
             lines.append(f"  {step:18} {row['jobs']:8}" + "".join(f" {cell:>13}" for cell in cells))
     return "\n".join(lines)

@@ -167,9 +167,11 @@ def test_what_failed_in_a_part_gives_way_to_what_is_solved_later(bench, few):
 
 def test_a_shard_gathers_what_is_its_own(bench, few, undisturbed):
     bench.sweep("slow", 40)
-    for shard in ("1/2", "2/2"):
-        bench.run("--shard", shard)
-        assert len(bench.job_files()) <= 2
+    bench.run("--shard", "1/2")
+    first = set(parts(bench))
+    bench.run("--shard", "2/2")
+    # Whoever else is at work may be gathering those.
+    assert first < set(parts(bench)) and len(bench.job_files()) <= 2
     assert {shard_of(path) for path in parts(bench)} == {"1-of-2", "2-of-2"}
     # Parts of other counts of shards lie beside them.
     assert "0 done now" in bench.run("--shard", "2/3")[1]
