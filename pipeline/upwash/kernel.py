@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dis
 import inspect
+import logging
 import os
 import pickle
 import platform
@@ -39,6 +40,11 @@ PACKAGE = Path(__file__).parent
 SUFFIX = ".kernel"
 DIGEST_SIZE = sha256().digest_size
 OF_ONE_USER = "upwash-kernels-"
+
+COMPILING = "compiling, once for this version of the kernels: about 20 s"
+"""What a person is told before the first kernel is compiled; it takes far longer than a solve."""
+
+LOGGER = logging.getLogger(__name__)
 
 SIGNATURE_FLAGS = inspect.CO_VARARGS | inspect.CO_VARKEYWORDS | inspect.CO_GENERATOR
 
@@ -140,6 +146,7 @@ class _Kept:
                 # A disk that filled up, or a power cut, may have left less than was written.
                 if digest == sha256(payload).digest():
                     return CompileResult._rebuild(context, *pickle.loads(payload))
+        _tell_once(logging.INFO, COMPILING)
         return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
@@ -155,9 +162,18 @@ class _Kept:
                 if _is_ours(folder):
                     _write_atomic(folder / self._file(signature), sha256(payload).digest() + payload)
                     return
+        places = ", ".join(map(str, cache_folders()))
+        remedy = "set NUMBA_CACHE_DIR to a folder that can be, or each process will compile anew"
+        line = f"compiled code: expected a folder that can be written, found none of {places}; {remedy}"
+        _tell_once(logging.WARNING, line)
 
     def _file(self, signature: Any) -> str:
         return f"{_name(self._dispatcher)}-{_digest(_told_type(signature))}{SUFFIX}"
+
+
+@cache
+def _tell_once(level: int, line: str) -> None:
+    LOGGER.log(level, line)
 
 
 def _write_atomic(path: Path, data: bytes) -> None:

@@ -4,6 +4,7 @@ Worker processes import them by the name that a sweep file gives: ``solver = "st
 is told by lines appended to the file that the environment names.
 """
 
+import errno
 import os
 import signal
 import time
@@ -137,3 +138,15 @@ def lasting(job):
     time.sleep(0.3)
     log(f"ended:{job.job_id}")
     return "solved", "", [row(job)]
+
+
+def on_a_full_disk_when_heavy(job):
+    """Meet a full disk beyond 1.25 kg, unless a file says that there is room again."""
+    log(job.job_id)
+    if job.mass_kg > 1.25 and not is_mended():
+        raise OSError(errno.ENOSPC, "No space left on device", "/scratch/of/the/solver")
+    return "solved", "", [row(job)]
+
+
+def without_its_file(job):
+    raise FileNotFoundError(errno.ENOENT, "No such file or directory", f"{job.mass_kg}.csv")

@@ -15,8 +15,9 @@ from conftest import wait_until
 from upwash import kernel
 from upwash.batch import estimate, merging, runner
 from upwash.batch import job as job_module
-from upwash.batch.job import needs_compiling
+from upwash.batch.job import compiling
 from upwash.batch.store import write_atomic
+from upwash.errors import EnvironmentFault
 from upwash.sweep import read_sweep
 
 
@@ -142,7 +143,7 @@ class TestEstimate:
         assert os.listdir(bench.folder) == ["ibis.toml"]
 
     def test_is_not_made_before_the_search_is_compiled(self, bench, monkeypatch):
-        monkeypatch.setattr(job_module, "needs_compiling", lambda job: True)
+        monkeypatch.setattr(job_module, "compiling", lambda job: "compiling: a while")
         (bench.folder / "ibis.toml").write_text(IBISES)
         _, said = bench("run", "./ibis.toml", "--dry-run")
         assert "40 of 40 jobs would run; how long that takes is not known: the search is not compiled" in said
@@ -372,6 +373,38 @@ def protected(folder):
             subprocess.run(["chattr", "-i", str(folder)], check=True)
 
 
+@pytest.mark.parametrize("workers", ["1", "2"])
+def test_a_fault_of_the_machine_is_no_result_of_a_job(bench, workers):
+    bench.sweep("on_a_full_disk_when_heavy", 6)
+    _, said = bench.run("--workers", workers, code=2)
+    told = (
+        "/scratch/of/the/solver: expected to use it, found: No space left on device; make room on that disk"
+    )
+    assert said.splitlines()[-1] == f"Error: {told}"
+    assert bench.status()["failed"] == 0
+    bench.marker.touch()
+    assert "failed" not in bench.run()[1]
+    assert bench.status()["solved"] == 6
+
+
+def test_what_one_job_lacks_is_its_failure(bench):
+    bench.sweep("without_its_file", 2)
+    bench.run(code=1)
+    assert bench.status(code=1)["causes"] == {"FileNotFoundError": 2}
+
+
+@pytest.mark.parametrize(
+    "fault", [PermissionError(13, "Permission denied", "/lib"), ImportError("libblas is gone")]
+)
+def test_what_the_system_refuses_the_built_in_solver_is_a_fault_of_the_machine(monkeypatch, fault):
+    def refused(job):
+        raise fault
+
+    monkeypatch.setattr(job_module, "_solve_pair", refused)
+    with pytest.raises(EnvironmentFault, match=r"expected .*, found: "):
+        job_module.run_job(read_sweep("reproduce").jobs[0])
+
+
 def test_progress_is_plain_lines_unless_on_a_terminal(bench):
     bench.sweep("trivial", 60)
     _, said = bench.run()
@@ -424,16 +457,16 @@ def test_results_do_not_pile_up_before_a_slow_disk(bench, monkeypatch):
 class TestCompiling:
     def test_is_known_to_be_done_once_a_job_has_been_solved(self, reproduced, tmp_path, monkeypatch):
         job = read_sweep("reproduce").jobs[0]
-        assert not needs_compiling(job)
+        assert not compiling(job)
         monkeypatch.setattr(kernel, "cache_folders", lambda: (tmp_path,))
-        assert needs_compiling(job)
+        assert compiling(job)
 
     def test_is_done_by_one_worker_while_the_others_wait(self, bench, monkeypatch):
-        monkeypatch.setattr(runner, "needs_compiling", lambda job: True)
+        monkeypatch.setattr(runner, "compiling", lambda job: "compiling: a while")
         bench.sweep("told_at_both_ends", 6)
         before = len(bench.log.read_text().split()) if bench.log.exists() else 0
         _, said = bench.run()
-        assert said.splitlines()[0] == "compiling, once for this version: about 20 s"
+        assert said.splitlines()[0] == "compiling: a while"
         begun, ended, *others = bench.log.read_text().split()[before:]
         assert ended == begun.replace("begun", "ended") and len(others) == 10
 

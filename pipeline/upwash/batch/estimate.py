@@ -55,12 +55,12 @@ def estimate(jobs: Sequence[Job], folder: ResultsFolder, tell: Callable[[str], N
     seconds, count = _experience(folder)
     if count:
         return Estimate(seconds / count, f"by the {count} done so far", is_experience=True)
-    from upwash.batch.job import needs_compiling, run_job
+    from upwash.batch.job import compiling, run_job
     from upwash.sweep.job import BUILT_IN_SOLVER
 
     if jobs[0].solver != BUILT_IN_SOLVER:
         return Estimate(None, "no job of it was done here before")
-    if needs_compiling(jobs[0]):
+    if compiling(jobs[0]):
         return Estimate(None, "the search is not compiled on this machine yet; the first run does it")
     tell(f"solving some of the jobs for {TRIAL_S:.0f} s to see how long they take")
     begun, done = time.perf_counter(), 0

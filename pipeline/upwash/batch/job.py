@@ -5,6 +5,7 @@ The only module of the batch layer that meets the physics and the inputs.
 
 from __future__ import annotations
 
+import errno
 import math
 import os
 import threading
@@ -17,7 +18,7 @@ from typing import Any
 
 from upwash import columns as of
 from upwash.batch import store
-from upwash.errors import UpwashError
+from upwash.errors import EnvironmentFault, UpwashError, environment_fault
 from upwash.sweep.job import BUILT_IN_SOLVER, INPUTS
 from upwash.sweep.job import Job as Job
 from upwash.sweep.solver import BrokenContract, kept_to_contract, make_importable, own_columns, own_solver
@@ -29,6 +30,14 @@ PARENT_CHECK_S = 0.5
 
 UNFIT = f"{BrokenContract.__name__}: "
 """How the error begins of a job whose solver returned what cannot be stored."""
+
+# What the system says when it is at fault. A solver of the user's own may look for a file of one job, or import what
+# it lacks; the built-in one does neither, so that whatever the system refuses it is the machine's fault.
+MACHINES = {
+    getattr(errno, name)
+    for name in ("EDQUOT", "EFBIG", "EIO", "EMFILE", "ENFILE", "ENOMEM", "ENOSPC", "EROFS", "ESTALE")
+    if hasattr(errno, name)
+}
 
 MANY = 50
 """So many jobs done in one batch are stored in one file, and not each in its own."""
@@ -76,9 +85,21 @@ class Bundle:
 
 
 def run_job(job: Job) -> list[Row]:
-    """Solve a job and return its rows, as `solve` does; what goes wrong is a row too."""
+    """Solve a job and return its rows, as `solve` does; what goes wrong is a row too.
+
+    Raises
+    ------
+    EnvironmentFault
+        If the machine is at fault and not the job: the job is as good as not begun.
+    """
     try:
         return solve(job)
+    except EnvironmentFault:
+        raise
+    except (OSError, ImportError) as error:
+        if job.solver != BUILT_IN_SOLVER and not (isinstance(error, OSError) and error.errno in MACHINES):
+            return failed_rows(job, describe(error))
+        raise environment_fault(error) from error
     except (Exception, SystemExit) as error:
         return failed_rows(job, describe(error))
 
@@ -172,6 +193,11 @@ def run_batch(
     -------
     tuple
         The jobs that were run, one in a bundle, or all in one if they are many; and the jobs that were not.
+
+    Raises
+    ------
+    EnvironmentFault
+        If the machine was at fault at the first job. At a later one, what was finished before it is returned.
     """
     if parent is not None:
         _die_with(parent)
@@ -183,7 +209,12 @@ def run_batch(
         begun = time.perf_counter()
         if solved and begun - start > budget_s:
             break
-        rows = run_job(job)
+        try:
+            rows = run_job(job)
+        except EnvironmentFault:
+            if not solved:
+                raise
+            break
         solved.append((job, rows, time.perf_counter() - begun))
     # A file of its own takes longer than so cheap a job.
     bundles = [solved] if len(solved) >= MANY else [[one] for one in solved]
@@ -203,17 +234,18 @@ def solver_of(job: Job) -> Callable[[Job], tuple[str, str, list[Row]]]:
         raise BrokenContract(str(error)) from error
 
 
-def needs_compiling(job: Job) -> bool:
-    """Whether this machine has still to compile the built-in solver, which takes far longer than a job.
+def compiling(job: Job) -> str:
+    """Return what to tell before this machine compiles the built-in solver, or "" if it has: that takes a while.
 
-    The proof is what is compiled last.
+    All other kernels are parts of the search's and the proof's, or small.
     """
     if job.solver != BUILT_IN_SOLVER:
-        return False
-    from upwash.kernel import is_kept
+        return ""
+    from upwash.kernel import COMPILING, is_kept
     from upwash.optimum.certify import clear_boxes
+    from upwash.optimum.search import solve_many
 
-    return not is_kept(clear_boxes)
+    return "" if is_kept(solve_many) and is_kept(clear_boxes) else COMPILING
 
 
 def job_of(row: Mapping[str, Any]) -> Job:

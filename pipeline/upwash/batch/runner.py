@@ -22,7 +22,7 @@ from upwash import columns as of
 from upwash.batch.folder import OF_OWN, Entry, Plan, ResultsFolder, Shard, journal_line
 from upwash.batch.gather import Gathering
 from upwash.batch.index import Known, read_index
-from upwash.batch.job import Bundle, encode, failed_rows, needs_compiling, run_batch
+from upwash.batch.job import Bundle, compiling, encode, failed_rows, run_batch
 from upwash.batch.mend import verified_index
 from upwash.batch.progress import Progress
 from upwash.batch.selection import in_shard, is_to_run
@@ -230,7 +230,7 @@ class _Run:
     def all(self, jobs: Sequence[Job]) -> None:
         """Run jobs until each has a result."""
         self.queue.extend(jobs)
-        is_cold = self.options.backend == LOKY and needs_compiling(jobs[0])
+        first_of_all = compiling(jobs[0]) if self.options.backend == LOKY else ""
         self.is_on_trial = jobs[0].solver != BUILT_IN_SOLVER
         with workers(self.options.backend, self.options.scheduler) as killed:
             while self.queue or self.suspects:
@@ -238,16 +238,17 @@ class _Run:
                 try:
                     if self.is_alone:
                         self.alone(self.suspects.popleft())
+                    elif first_of_all:
+                        # Workers that begin together would all compile the same.
+                        self.progress.tell(first_of_all)
+                        first_of_all = ""
+                        self.alone(self.queue.popleft())
+                        self.progress.restart()
+                        self.is_on_trial = False
                     elif self.is_on_trial:
                         # A solver that does not keep to its contract would fail in every job.
                         self.alone(self.queue.popleft())
                         self.is_on_trial = False
-                    elif is_cold:
-                        # Workers that begin together would all compile the same.
-                        is_cold = False
-                        self.progress.tell("compiling, once for this version: about 20 s")
-                        self.alone(self.queue.popleft())
-                        self.progress.restart()
                     else:
                         self.stream(self.batches())
                 except killed as death:

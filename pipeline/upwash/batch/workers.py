@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
 import warnings
 from collections.abc import Iterator
@@ -14,7 +15,8 @@ from joblib import Parallel, parallel_config
 from upwash.errors import UpwashError
 
 LOKY, DASK = "loky", "dask"
-CONNECT_TIMEOUT_S = 10
+CONNECT_TIMEOUT_S = 5
+WORKERS_TIMEOUT_S = 10
 SETTLE_TIMEOUT_S = 1
 
 
@@ -44,7 +46,8 @@ def workers(backend: str, scheduler: str = "") -> Iterator[type[BaseException]]:
             yield BrokenProcessPool
         return
     try:
-        from distributed import Client
+        from distributed import Client, Security
+        from distributed.comm.core import connect
 
         from upwash.batch.dask_backend import KilledBatch, MendedDaskBackend
     except ImportError as error:
@@ -52,12 +55,20 @@ def workers(backend: str, scheduler: str = "") -> Iterator[type[BaseException]]:
         raise UpwashError(
             f"--backend dask: expected dask.distributed, found it not installed; {remedy}"
         ) from error
+
+    async def reach() -> None:
+        arguments = Security().get_connection_args("client")
+        await (await connect(scheduler, timeout=CONNECT_TIMEOUT_S, **arguments)).close()
+
     try:
+        # Asked first, since a client that finds no scheduler waits for itself, and complains when the program ends.
+        asyncio.run(reach())
         client = Client(scheduler, timeout=CONNECT_TIMEOUT_S, set_as_default=False)
-    except (OSError, ValueError, TimeoutError) as error:
+    except Exception as error:  # Any: whatever its transport says of an address.
         remedy = "start one by 'dask scheduler' and give its address, as in tcp://host:8786"
         raise UpwashError(
-            f"--scheduler: expected a dask scheduler at {scheduler!r}, found none; {remedy}"
+            f"--scheduler: expected a dask scheduler at {scheduler!r}, found none; {remedy}",
+            field="scheduler",
         ) from error
     with client:
         if not _has_workers(client):
@@ -91,7 +102,7 @@ def stop(pool: Parallel, outputs: Any) -> None:
 
 def _has_workers(client: Any) -> bool:
     try:
-        client.wait_for_workers(1, timeout=CONNECT_TIMEOUT_S)
+        client.wait_for_workers(1, timeout=WORKERS_TIMEOUT_S)
     except TimeoutError:
         return False
     return True

@@ -6,8 +6,6 @@ answers at once. Hence the table below holds what the list of commands prints.
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -16,7 +14,8 @@ from typing import Any
 import click
 
 from upwash import __version__
-from upwash.errors import UpwashError
+from upwash.cli.streams import guarded_streams
+from upwash.errors import UpwashError, environment_fault
 
 # heading of the list -> command -> (module that defines a click command of that name, its one-line summary)
 COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
@@ -58,7 +57,10 @@ class OneLineError(click.ClickException):
 
 @contextmanager
 def users_errors() -> Iterator[None]:
-    """Turn mistakes and interruptions into one line and an exit code; let bugs keep their traceback."""
+    """Turn mistakes, faults of the machine and interruptions into one line and an exit code.
+
+    Bugs keep their traceback.
+    """
     try:
         yield
     except click.exceptions.NoArgsIsHelpError:
@@ -75,9 +77,11 @@ def users_errors() -> Iterator[None]:
         click.echo("Interrupted.", err=True)
         raise click.exceptions.Exit(INTERRUPTED) from None
     except BrokenPipeError:
-        # Whoever read our output has left; point stdout elsewhere so that the last flush does not complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Whoever read our output has left.
         raise click.exceptions.Exit(OUTPUT_CLOSED) from None
+    except OSError as error:
+        fault = environment_fault(error)
+        raise OneLineError(str(fault), fault.exit_code) from error
 
 
 class LazyGroup(click.Group):
@@ -100,6 +104,11 @@ class LazyGroup(click.Group):
             with formatter.section(heading):
                 formatter.write_dl([(name, summary) for name, (_, summary) in commands.items()])
 
+    def main(self, *args: Any, **extra: Any) -> Any:
+        """Run the command, and guard what it writes to."""
+        with guarded_streams():
+            return super().main(*args, **extra)
+
     def make_context(self, *args: Any, **extra: Any) -> click.Context:
         """Parse the group's own options."""
         with users_errors():
@@ -121,5 +130,5 @@ def main() -> None:
       upwash optimum northern-bald-ibis --objective force
 
     Results go to standard output, everything else to standard error. Exit codes: 0 done, 1 some jobs failed,
-    2 bad usage or input, 3 a check failed.
+    2 bad usage, input or environment, 3 a check failed.
     """

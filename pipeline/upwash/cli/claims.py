@@ -6,6 +6,8 @@ import json
 
 import click
 
+from upwash.cli.streams import at_work
+
 
 @click.command()
 @click.argument("results", metavar="RESULTS")
@@ -27,6 +29,7 @@ def claims(results: str, json_output: bool) -> None:
     from upwash.paper.ledger import ledger_records, write_claims
     from upwash.report.claims import ledger_text
 
+    at_work("judging the claims")
     ledger = judge_claims(read_evidence(results))
     if json_output:
         click.echo(json.dumps(ledger_records(ledger), ensure_ascii=False, indent=2, allow_nan=False))

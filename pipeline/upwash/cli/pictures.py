@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from upwash.cli.solve import as_json, problem
+from upwash.cli.streams import at_work
 from upwash.sweep.job import FLOCK_CHOICES
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ def field(plane: str, optimum: str, size: int, output: Path, json_output: bool, 
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise cannot_write(output, error) from error
+    at_work("drawing")
     stem = output / f"{row['species']}-{row['objective']}-{plane}"
     table = stem.with_name(f"{stem.name}.parquet")
     write_field(found, row, table)
@@ -122,7 +124,9 @@ def _solved(kind: str, chosen: dict[str, Any]) -> pd.DataFrame:
     from upwash.batch.store import ROWS, table_of
     from upwash.sweep.single import single_job
 
-    return table_of(solve(single_job(kind, **chosen)), ROWS[kind]).to_pandas()
+    job = single_job(kind, **chosen)
+    at_work("solving")
+    return table_of(solve(job), ROWS[kind]).to_pandas()
 
 
 @click.command()
@@ -165,6 +169,7 @@ def animate(birds: int, shape: str, output: Path, **chosen: Any) -> None:
         raise UpwashError(f"{rows['species'].iloc[0]}: {rows['error'].dropna().iloc[-1]}")
     if len(placed) < birds:
         click.echo(f"{len(placed)} of {birds} birds: {rows['error'].dropna().iloc[-1]}", err=True)
+    at_work("drawing")
     write_animation(placed, output)
     click.echo(output)
 
@@ -183,4 +188,5 @@ def page(results: tuple[str, ...]) -> None:
     """
     from upwash.report.page import write_page
 
+    at_work("drawing")
     click.echo(write_page(*results))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from upwash.cli.streams import at_work
 from upwash.errors import CheckFailed
 from upwash.shipped import shipped
 
@@ -67,8 +68,10 @@ def reproduce(results: str, json_output: bool) -> None:
         solve_and_check(path.name, ResultsFolder(path))
     solutions = read_table(folder.path / GATHERED["pair"], SOLUTIONS).to_pandas()
     comparison = compare_folders(folder, ResultsFolder(REFERENCE))[0]
+    at_work("judging the claims")
     ledger = judge_claims(read_evidence(results))
     claims = write_claims(ledger, results, text)
+    at_work("drawing")
     page = write_page(results, *others)
     if json_output:
         record = {
@@ -111,10 +114,12 @@ def solve_and_check(sweep: str, folder: ResultsFolder) -> str:
 
     read = read_sweep(sweep)
     plan = Plan(read.name, read.kind, read.text, [job.job_id for job in read.jobs])
+    at_work(f"solving {read.name}")
     tally = run_sweep(read.jobs, plan, folder, Options(workers=WORKERS), sys.stderr)
     if tally.failed:
         _say(f"{folder}: {tally.failed} of {tally.jobs} jobs failed; see 'upwash status {folder}'")
         raise click.exceptions.Exit(FAILED_EXIT)
+    at_work(f"gathering and checking {read.name}")
     aggregate(folder, _say)
     jobs, findings = check(folder)
     for finding in findings[1:]:

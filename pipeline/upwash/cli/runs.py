@@ -12,6 +12,8 @@ from typing import Any
 
 import click
 
+from upwash.cli.streams import at_work
+
 FAILED_EXIT = 1
 FINDINGS_SHOWN = 20
 
@@ -101,11 +103,13 @@ def run(
         raise UpwashError(
             "--backend dask and --scheduler ADDRESS: expected both or neither, found one; add the other"
         )
+    at_work(f"reading {sweep}")
     read = read_sweep(sweep, _say)
     folder = ResultsFolder(results or f"results/{read.name}")
     if dry_run:
         from upwash.batch.dry_run import foresee
 
+        at_work("looking at what is left to do")
         plan_ahead = partial(foresee, read, folder, shard, retry_failed, workers)
         if as_json:
             _print_foresight(plan_ahead)
@@ -123,6 +127,7 @@ def run(
     plan = Plan(read.name, read.kind, read.text, [job.job_id for job in read.jobs])
     options = Options(workers, backend, scheduler or "", shard, retry_failed, fail_fast)
     try:
+        at_work("solving")
         tally = run_sweep(read.jobs, plan, folder, options, sys.stderr)
     except Interrupted as interrupt:
         tally = interrupt.tally
@@ -159,6 +164,7 @@ def merge(out: str, parts: tuple[str, ...], as_json: bool) -> None:
     from upwash.batch.folder import ResultsFolder
     from upwash.batch.merge import merge as make_one
 
+    at_work("merging")
     merged = make_one(ResultsFolder(out), [ResultsFolder(part) for part in parts])
     if as_json:
         _print_json({"results": out, **asdict(merged), "left": merged.left})
@@ -234,6 +240,7 @@ def aggregate(results: str, as_json: bool) -> None:
     from upwash.batch.folder import ResultsFolder
     from upwash.report.study_tables import after_aggregate
 
+    at_work("gathering")
     gathered = gather(ResultsFolder(results), _say)
     if as_json:
         _print_json(asdict(gathered))
@@ -262,6 +269,7 @@ def check(results: str, as_json: bool) -> None:
     from upwash.batch.folder import ResultsFolder
     from upwash.errors import CheckFailed
 
+    at_work("checking")
     jobs, findings = look_at(ResultsFolder(results))
     if as_json:
         _print_json({"results": results, "jobs": jobs, "findings": [asdict(one) for one in findings]})
@@ -343,6 +351,7 @@ def rerun(results: str, job: str, as_json: bool) -> None:
     from upwash.batch.store import table_of
 
     stored = rows_of(ResultsFolder(results), job)
+    at_work("solving")
     again = job_of(stored[0])
     schema = schema_of(again)
     rows = [{name: row.get(name) for name in schema.names} for row in stored]
@@ -367,6 +376,7 @@ def diff(first: str, second: str, as_json: bool) -> None:
     from upwash.batch.compare import compare_folders
     from upwash.batch.folder import ResultsFolder
 
+    at_work("comparing")
     comparisons = compare_folders(ResultsFolder(first), ResultsFolder(second))
     _report(comparisons, f"{first} and {second}", (first, second), as_json)
 

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from upwash.aero.power import COST_FUNCTIONS
+from upwash.cli.streams import at_work
 from upwash.species import AMPLITUDE_CONVENTIONS
 from upwash.sweep.job import FLOCK_CHOICES
 
@@ -72,7 +73,9 @@ def optimum(show_all: bool, json_output: bool, **chosen: Any) -> None:
     from upwash.report.answer import answer, job_record
     from upwash.sweep.single import single_job
 
-    table = table_of(solve(single_job("pair", **chosen)), SOLUTIONS)
+    job = single_job("pair", **chosen)
+    at_work("solving")
+    table = table_of(solve(job), SOLUTIONS)
     if json_output:
         click.echo(json.dumps(job_record(table.to_pylist()), indent=2, allow_nan=False))
         return
@@ -129,6 +132,7 @@ def flock(joint: bool, json_output: bool, **chosen: Any) -> None:
     from upwash.sweep.single import single_job
 
     job = single_job("flock", **chosen)
+    at_work("solving")
     chain = table_of(solve(job), FLOCK)
     improved = None
     if joint:
