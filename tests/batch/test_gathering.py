@@ -1,6 +1,8 @@
 """Finished jobs are gathered while a run goes on: files stay few, and nothing is lost or there twice."""
 
+import errno
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -201,3 +203,26 @@ def test_parts_are_merged_by_their_size(tmp_path):
     assert [jobs_in(path) for path in found] == [4096, 4095, 256, 255, 16]
     assert {shard_of(path) for path in found} == {"3-of-7"}
     assert [gather._size(path) for path in found] == [3, 2, 2, 1, 1]
+
+
+def test_a_job_that_is_named_again_is_in_a_table_at_every_moment(bench, monkeypatch):
+    for jobs in (3, 2):
+        bench.sweep("two_optima", jobs)
+        bench.run()
+        bench("aggregate", "results/sweep")
+    bench.sweep("two_optima", 3)
+    bench.run()
+    replace, placed = os.replace, []
+
+    def fill_the_disk_after_the_first(source, target):
+        if placed:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        placed.append(target.name)
+        replace(source, target)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "replace", fill_the_disk_after_the_first)
+        bench("aggregate", "results/sweep", code=2)
+    assert placed == ["retired.parquet"]
+    assert "0 done now, 3 before" in bench.run()[1]
+    assert set(bench.solved().values()) == {1}

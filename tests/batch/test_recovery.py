@@ -294,5 +294,10 @@ class TestOptions:
         with ResultsFolder(bench.results).locked():
             # Twenty jobs in a hundred seconds.
             assert bench.status()["jobs_per_s"] == pytest.approx(0.2, rel=0.2)
+        old, late = journal_line(Entry(now - 1900, 100, 1.0)), journal_line(Entry(now - 300, 6, 1.0))
+        journal.write_text(f"run,{now - 9000:.3f},9\n" + old + f"run,{now - 2000:.3f},9\n" + old + late)
+        with ResultsFolder(bench.results).locked():
+            # What was done of late counts, and earlier runs do not.
+            assert bench.status()["jobs_per_s"] == pytest.approx(6 / 600, rel=0.1)
         status = bench.status()
         assert (status["is_running"], status["jobs_per_s"], status["seconds_left"]) == (False, None, None)
