@@ -18,7 +18,7 @@ from upwash.aero.bird import Bird
 from upwash.aero.field_map import PLANES, force_map
 from upwash.aero.wake import WakeModel
 from upwash.errors import UpwashError
-from upwash.optimum.problem import STREAMWISE_REACH
+from upwash.study.field import grid
 from upwash.study.quantities import with_quantities
 from upwash.study.rows import Row, bird_of, pose_of, state_forces_of
 from upwash.study.sources import read_study
@@ -47,8 +47,7 @@ LEAST_SPEEDS = 5
 """Airspeeds from which the best one can be told."""
 
 MAP_SIZE = 241
-SPANWISE = 3.0
-"""Points along each side of a force map; its reach to the side, in semispans."""
+"""Points along each side of a force map."""
 
 # Column of the results -> what it must be for the bird to be the paper's.
 _PAPER = WakeModel()
@@ -184,15 +183,9 @@ class Evidence:
         """Net force in the three planes through the V optimum of least force, as the paper maps it."""
         bird, row = self.bird, self.v("force")
         own_lift, own_thrust = row["lift_self_n"] / bird.weight_n, row["thrust_self_n"] / bird.drag_n
-        reach = {
-            "xy": (0.0, SPANWISE * bird.semispan_m),
-            "xz": (-bird.amplitude_m, bird.amplitude_m),
-            "xk": (0.0, 1.0),
-        }
-        streamwise = np.linspace(0.0, STREAMWISE_REACH * bird.wavelength_m, MAP_SIZE)
         maps = {}
         for plane in PLANES:
-            across = np.linspace(*reach[plane], MAP_SIZE)
+            streamwise, across = grid(bird, plane, MAP_SIZE)
             lift, thrust = self.wake_over("force", plane, streamwise, across)
             maps[plane] = ForceRatios(
                 own_lift + lift / bird.weight_n, own_thrust + thrust / bird.drag_n, own_lift, own_thrust

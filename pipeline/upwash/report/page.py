@@ -148,7 +148,7 @@ def _chapter(chapter: Chapter, folder: Path, sources: Sources, command: str) -> 
         "figures": figures,
         "tables": tables,
         "missing": "" if figures else chapter.missing,
-        "remedy": "\n".join(chapter.remedy).format(page=command),
+        "remedy": chapter.remedy(command),
     }
 
 

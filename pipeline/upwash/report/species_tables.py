@@ -58,12 +58,8 @@ def _written(frame: pd.DataFrame, columns: Iterable[Column]) -> dict[str, list[s
 
 
 def comparison_tables(compared: pd.DataFrame) -> list[Table]:
-    """Return the V optima of all species, a table for each objective and amplitude convention.
-
-    Parameters
-    ----------
-    compared : DataFrame
-        As `upwash.study.comparison.compare` returns.
+    """Return the V optima of all species, a table for each objective and amplitude convention, from
+    `upwash.study.comparison.compare`.
     """
     tables = []
     for (objective, convention), group in compared.groupby(["objective", "amplitude_convention"], sort=False):
@@ -94,12 +90,8 @@ def _alike(row: pd.Series) -> str:
 
 
 def overview_table(compared: pd.DataFrame) -> Table:
-    """Return the saving of total power of every species under every problem.
-
-    Parameters
-    ----------
-    compared : DataFrame
-        As `upwash.study.comparison.compare` returns.
+    """Return the saving of total power of every species under every problem, from
+    `upwash.study.comparison.compare`.
     """
     problems = compared["objective"] + ", " + compared["amplitude_convention"]
     written = compared.assign(
@@ -145,12 +137,8 @@ def _samples(group: pd.DataFrame) -> str:
 
 
 def groups_table(compared: pd.DataFrame) -> Table:
-    """Return the dimensionless groups of all species, and the saving of force that follows from them alone.
-
-    Parameters
-    ----------
-    compared : DataFrame
-        As `upwash.study.comparison.compare` returns.
+    """Return the dimensionless groups of all species, and the saving of force that follows from them alone,
+    from `upwash.study.comparison.compare`.
     """
     keys = ["species", "amplitude_convention"]
     by_force = compared[compared["objective"] == "force"].sort_values(
@@ -168,12 +156,8 @@ def groups_table(compared: pd.DataFrame) -> Table:
 
 
 def objectives_tables(changes: pd.DataFrame) -> list[Table]:
-    """Return what changes from least force to least power, a table for each amplitude convention.
-
-    Parameters
-    ----------
-    changes : DataFrame
-        As `upwash.study.comparison.compare_objectives` returns.
+    """Return what changes from least force to least power, a table for each amplitude convention, from
+    `upwash.study.comparison.compare_objectives`.
     """
     tables = []
     for convention, group in changes.groupby("amplitude_convention", sort=False):
@@ -214,12 +198,8 @@ def _answer(holds: bool | None, share: float) -> str:
 
 
 def observations_tables(observed: pd.DataFrame) -> list[Table]:
-    """Return the verdicts counted, then each observation with ours, then what is not compared and why.
-
-    Parameters
-    ----------
-    observed : DataFrame
-        As `upwash.study.observations.compare_with_observations` returns.
+    """Return the verdicts counted, then each observation with ours, then what is not compared and why, from
+    `upwash.study.observations.compare_with_observations`.
     """
     compared = observed[observed["verdict"] != NOT_COMPARED]
     # What the paper got from this very model is no observation.
@@ -271,12 +251,8 @@ def _published(row: pd.Series) -> str:
 
 
 def sensitivity_tables(indices: pd.DataFrame) -> list[Table]:
-    """Return the indices, a table for each problem and kind of index: inputs by outputs.
-
-    Parameters
-    ----------
-    indices : DataFrame
-        As `upwash.study.sensitivity.sensitivity` returns.
+    """Return the indices, a table for each problem and kind of index: inputs by outputs, from
+    `upwash.study.sensitivity.sensitivity`.
     """
     tables = []
     keys = ["species", "objective", "amplitude_convention"]

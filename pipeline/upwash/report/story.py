@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from upwash.report import species_tables
+from upwash.report.figures import species_rows
 from upwash.report.figures.flocks import papers_flocks, series
 from upwash.report.flock_answer import open_explained, proof_in_v
 from upwash.report.table import Table
@@ -30,39 +31,40 @@ from upwash.study.rows import best, objectives_of
 from upwash.study.sources import Sources
 
 
+def _no_tables(sources: Sources) -> list[Table]:
+    return []
+
+
 @dataclass(frozen=True)
 class Chapter:
     """One chapter of the page.
 
     Parameters
     ----------
-    name : str
-        Its anchor.
-    title : str
-        Its heading.
-    words : str
-        What it is about.
+    name, title, words : str
+        Its anchor, its heading, and what it is about.
     figures : tuple of str
         Names of its figures.
-    tables : callable
-        Sources -> its tables.
     missing : str
         What it takes, if none of its figures can be drawn.
-    remedy : tuple of str
-        Commands that give it; ``{page}`` stands for the one that made the page.
+    sweep : str
+        A sweep that gives it.
+    tables : callable
+        Sources -> its tables.
     """
 
     name: str
     title: str
     words: str
     figures: tuple[str, ...]
-    tables: Callable[[Sources], list[Table]]
     missing: str
-    remedy: tuple[str, ...]
+    sweep: str = "reproduce"
+    tables: Callable[[Sources], list[Table]] = _no_tables
 
-
-def _no_tables(sources: Sources) -> list[Table]:
-    return []
+    def remedy(self, page: str) -> str:
+        """Return the commands that add it to a page which a command made."""
+        results = f"results/{self.sweep}"
+        return f"upwash run {self.sweep}\nupwash aggregate {results}\n{page} {results}"
 
 
 def _optima_tables(sources: Sources) -> list[Table]:
@@ -119,95 +121,68 @@ def _species_tables(sources: Sources) -> list[Table]:
     ]
 
 
-PAIR = ("upwash run reproduce", "upwash aggregate results/reproduce", "{page} results/reproduce")
-"""Commands that give the paper's pair."""
-
-
-def _of_sweep(name: str) -> tuple[str, ...]:
-    """Return the commands that add a sweep's results to a page."""
-    return (f"upwash run {name}", f"upwash aggregate results/{name}", f"{{page}} results/{name}")
-
-
 CHAPTERS = (
     Chapter(
         "optimum",
         "Where a bird should fly behind another",
-        "A follower may choose where it flies, how far and how flexed it flaps, and in which phase. It must "
-        "carry its weight "
-        "and overcome its drag, and the wake of the bird ahead can help with both. These are its best choices.",
+        "A follower may choose where it flies, how far and how flexed it flaps, and in which phase. It must carry its "
+        "weight and overcome its drag, and the wake of the bird ahead can help with both. These are its best choices.",
         ("optimal-position",),
-        _optima_tables,
         "It takes a pair.",
-        PAIR,
+        tables=_optima_tables,
     ),
     Chapter(
         "lone-bird",
         "What a bird leaves in the air",
-        "Flapping leaves a chain of vortex rings. Their impulse carries and propels the bird that made "
-        "them; the air they "
-        "set moving is what a follower meets.",
+        "Flapping leaves a chain of vortex rings. Their impulse carries and propels the bird that made them; the air "
+        "they set moving is what a follower meets.",
         ("lone-wake", "configurations"),
-        _no_tables,
         "It takes the bird of a pair.",
-        PAIR,
     ),
     Chapter(
         "why-there",
         "Why there",
-        "Lift and thrust from the wake are large in few places, and seldom both in one. The best place is "
-        "where what is "
-        "missing to fly with a smaller stroke is made up in both at once, with the inner wingtip at a vortex's edge.",
+        "Lift and thrust from the wake are large in few places, and seldom both in one. The best place is where "
+        "what is missing to fly with a smaller stroke is made up in both at once, with the inner wingtip at a vortex's "
+        "edge.",
         ("force-maps", "spacing-rule"),
-        _no_tables,
         "It takes the optimum of a pair.",
-        PAIR,
     ),
     Chapter(
         "all-optima",
         "Not the only good place",
-        "The problem has many local optima. All that were found are shown; a lower bound on the cost, "
-        "proved by branch and "
-        "bound, says that nothing better was missed.",
+        "The problem has many local optima. All that were found are shown; a lower bound on the cost, proved by branch "
+        "and bound, says that nothing better was missed.",
         ("optima-map",),
-        _basin_tables,
         "It takes all optima of a pair.",
-        PAIR,
+        tables=_basin_tables,
     ),
     Chapter(
         "flock",
         "A flock",
         "A flock is a chain of pairs: each bird flies in the wake of the one ahead, at its own optimum there.",
         ("flock-formation", "flock-view", "flock-saving"),
-        _flock_tables,
         "It takes a study of flocks; run it, and name its folder too.",
-        _of_sweep("paper-flocks"),
+        "paper-flocks",
+        _flock_tables,
     ),
     Chapter(
         "species",
         "Other birds",
-        "Does it hold for other birds? Each species of the library, by both costs and both conventions for "
-        "its amplitude, "
-        "beside what was published of it.",
-        (
-            "species-position",
-            "species-saving",
-            "species-stroke",
-            "species-gap",
-            "species-groups",
-            "species-observed",
-        ),
-        _species_tables,
+        "Does it hold for other birds? Each species of the library, by both costs and both conventions for its "
+        "amplitude, beside what was published of it.",
+        (*(picture.name for picture in species_rows.PICTURES), "species-groups", "species-observed"),
         "It takes a study of several species; run it, and name its folder too.",
-        _of_sweep("cross-species"),
+        "cross-species",
+        _species_tables,
     ),
     Chapter(
         "parameters",
         "What it depends on",
         "One input at a time, about the same bird.",
         ("speed-power", "parameter-saving"),
-        _no_tables,
         "It takes a study that varies inputs; run it, and name its folder too.",
-        _of_sweep("ibis-parameters"),
+        "ibis-parameters",
     ),
 )
 """The chapters in order."""

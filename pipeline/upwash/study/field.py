@@ -10,8 +10,10 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from upwash import columns as of
+from upwash.aero.bird import Bird
 from upwash.aero.field_map import COORDINATES, PLANES, ForceMap, force_map
 from upwash.batch.store import TABLE_OPTIONS, provenance, replacing, schema_of
 from upwash.columns import Column
@@ -32,6 +34,23 @@ FIELD = (
 OF_THE_OPTIMUM = of.names(of.belonging(of.PROBLEM, of.JOB, of.OPTIMUM, among=of.SOLUTIONS_COLUMNS))
 
 
+def grid(bird: Bird, plane: str, size: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the coordinates of a map over the range that is searched, `size` of each.
+
+    Returns
+    -------
+    tuple of (size,) ndarray of float
+        x from 0 to 1.5 wavelengths; y from 0 to `SPANWISE` semispans, z within the leader's amplitude, or all
+        phases.
+    """
+    reach = {
+        "xy": (0.0, SPANWISE * bird.semispan_m),
+        "xz": (-bird.amplitude_m, bird.amplitude_m),
+        "xk": (0.0, 1.0),
+    }
+    return np.linspace(0.0, STREAMWISE_REACH * bird.wavelength_m, size), np.linspace(*reach[plane], size)
+
+
 def plane_through(row: pd.Series, plane: str, size: int) -> ForceMap:
     """Return the force map in a plane through a stored optimum, over the range that is searched.
 
@@ -47,30 +66,17 @@ def plane_through(row: pd.Series, plane: str, size: int) -> ForceMap:
     Returns
     -------
     ForceMap
-        x from 0 to 1.5 wavelengths; y from 0 to `SPANWISE` semispans, z within the leader's amplitude, or all
-        phases.
+        The map, on the coordinates of `grid`.
     """
-    bird = bird_of(row)
-    reach = {
-        "xy": (0.0, SPANWISE * bird.semispan_m),
-        "xz": (-bird.amplitude_m, bird.amplitude_m),
-        "xk": (0.0, 1.0),
-    }
-    first = np.linspace(0.0, STREAMWISE_REACH * bird.wavelength_m, size)
+    bird, pose = bird_of(row), pose_of(row)
+    first, across = grid(bird, plane, size)
     cores = os.cpu_count() or 1
 
     def rows_of(second: np.ndarray) -> ForceMap:
-        return force_map(
-            bird,
-            bird.stroke,
-            pose_of(row),
-            plane,
-            first,
-            second,
-        )
+        return force_map(bird, bird.stroke, pose, plane, first, second)
 
     with ThreadPoolExecutor(cores) as threads:
-        parts = list(threads.map(rows_of, np.array_split(np.linspace(*reach[plane], size), cores)))
+        parts = list(threads.map(rows_of, np.array_split(across, cores)))
     names = ("second", "lift_n", "thrust_n")
     joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return ForceMap(plane, first, **joined)

@@ -1,5 +1,5 @@
-"""The figures, one module each: `draw` makes one from results folders, `draw_all` writes all of them."""
+"""The figures, one module each: `draw` makes one from results folders."""
 
-from upwash.report.figures.catalogue import FIGURES, draw, draw_all
+from upwash.report.figures.catalogue import FIGURES, draw
 
-__all__ = ["FIGURES", "draw", "draw_all"]
+__all__ = ["FIGURES", "draw"]

@@ -97,29 +97,6 @@ def draw(name: str, *results: str | os.PathLike[str]) -> Figure:
     return figure.draw(**frames)
 
 
-def draw_all(results: str | os.PathLike[str], *more: str | os.PathLike[str]) -> list[Path]:
-    """Write every figure that results folders allow, as PDF, PNG and SVG.
-
-    Parameters
-    ----------
-    results : str or path
-        Results folder; the figures go to ``figures`` in it.
-    *more : str or path
-        Other results folders to draw from what the first does not hold.
-
-    Returns
-    -------
-    list of Path
-        The files, figure by figure.
-
-    Raises
-    ------
-    UpwashError
-        If a folder is no gathered results folder, or the figures cannot be written.
-    """
-    return draw_figures(read_sources(results, *more), Path(results) / FOLDER)
-
-
 def draw_figures(sources: Sources, folder: Path) -> list[Path]:
     """Write every figure that some frames allow into a folder, and return the files."""
     try:
