@@ -8,7 +8,7 @@ is made.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 SCHEMA_VERSION = 2
@@ -116,6 +116,8 @@ class Column:
         How its numbers are written; five significant digits if empty.
     percent : bool
         Whether people are shown it in percent.
+    verified_in_flock : str
+        How it is checked in a flock's rows, if otherwise: of a bird's optima the V optimum alone is kept there.
     listed : tuple of str
         The lists that it is shown in, of `JOBS` and `OPTIMA`.
     """
@@ -133,6 +135,7 @@ class Column:
     label: str = ""
     format: str = ""
     percent: bool = False
+    verified_in_flock: str = ""
     listed: tuple[str, ...] = ()
 
     @property
@@ -289,6 +292,7 @@ COLUMNS = (
         "rank",
         description="place among the job's optima by cost, 0 the best",
         verified=RANKING,
+        verified_in_flock=RANGE,
         least=0,
         listed=(OPTIMA,),
     ),
@@ -335,8 +339,18 @@ COLUMNS = (
         description="cost of the best place known in the V region over that bound, less 1",
     ),
     _gap("v_certified_gap", description="V optimum's cost over that bound, less 1"),
-    _bound("global_lower_bound", description="no position costs less; absent if none can be flown"),
-    _gap("global_certified_gap", description="global optimum's cost over that bound, less 1"),
+    _bound(
+        "global_lower_bound",
+        description="no position costs less; absent if none can be flown",
+        verified_in_flock=RANGE,
+        least=0.0,
+    ),
+    _gap(
+        "global_certified_gap",
+        description="global optimum's cost over that bound, less 1",
+        verified_in_flock=RANGE,
+        least=-1e-9,
+    ),
     _counted(
         "certificate_boxes",
         description="boxes that the proof looked at",
@@ -413,5 +427,7 @@ def column(name: str) -> Column:
 OF_A_PAIR = (OUTCOME, PROBLEM, SEARCH, JOB, OPTIMUM, EFFORT, PROOF)
 SOLUTIONS_COLUMNS = belonging(*OF_A_PAIR)
 SUMMARY_COLUMNS = belonging(*OF_A_PAIR, PAIR_SUMMARY)
-FLOCK_COLUMNS = belonging(*OF_A_PAIR, FLOCK, BIRD)
+FLOCK_COLUMNS = tuple(
+    replace(one, verified=one.verified_in_flock or one.verified) for one in belonging(*OF_A_PAIR, FLOCK, BIRD)
+)
 FLOCK_SUMMARY_COLUMNS = belonging(OUTCOME, PROBLEM, SEARCH, FLOCK, FLOCK_SUMMARY)

@@ -79,6 +79,11 @@ def infeasible(job):
     return "infeasible", "nowhere to fly", []
 
 
+def failing_or_infeasible(job):
+    """Fail beyond 1.25 kg; below it there is nowhere to fly."""
+    return failing_when_heavy(job) if job.mass_kg > 1.25 else infeasible(job)
+
+
 def suicidal_when_heavy(job):
     """Kill the worker, as the system does when memory runs out."""
     log(job.job_id)

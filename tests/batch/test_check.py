@@ -199,14 +199,18 @@ class TestFlocks:
         )
 
     def test_a_flock_that_ends_early_says_so_and_keeps_its_birds(self, birds):
-        known = (*IDENTITY, "bird", "leader", "ahead_amplitude_m", "ahead_upstroke_span_ratio")
-        lost = dict.fromkeys(birds[3]) | {name: birds[3][name] for name in known}
-        ended = [*birds[:3], lost | {"status": "infeasible", "error": "no V optimum: nowhere"}]
+        kept = (*IDENTITY, *of.names(of.belonging(of.PROOF, of.EFFORT)))
+        kept += ("bird", "leader", "ahead_amplitude_m", "ahead_upstroke_span_ratio")
+        lost = dict.fromkeys(birds[3]) | {name: birds[3][name] for name in kept}
+        error = "no V optimum: expected one outboard, level and astern of bird 2, found none"
+        lost |= dict.fromkeys(("v_certified_gap", "v_region_certified_gap"))
+        lost |= {"status": "infeasible", "error": error}
+        ended = [*birds[:3], lost]
         assert of_rows(ended, "here") == []
         (row,) = summary_of(store.table_of(ended, store.FLOCK), "flock").to_pylist()
         assert (row["status"], row["error"], row["birds_placed"]) == (
             "infeasible",
-            "no V optimum: nowhere",
+            error,
             3,
         )
 

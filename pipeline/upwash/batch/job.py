@@ -43,6 +43,10 @@ MANY = 50
 """So many jobs done in one batch are stored in one file, and not each in its own."""
 
 
+NO_BALANCE = "no balance: no position within the bounds balances lift and thrust"
+"""Why a pair is infeasible whose bird can be."""
+
+
 @dataclass(frozen=True)
 class Result:
     """How one job ended.
@@ -269,8 +273,7 @@ def _solve_pair(job: Job) -> tuple[str, str, list[Row]]:
     solution = solve_pair(bird, job.objective, model=_model(job), search=_search(job))
     if solution.status == of.SOLVED:
         return of.SOLVED, "", solution.rows()
-    error = "no balance: no position within the bounds balances lift and thrust"
-    return solution.status, error, [solution.of_the_job()]
+    return solution.status, NO_BALANCE, [solution.of_the_job()]
 
 
 def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:

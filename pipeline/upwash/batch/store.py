@@ -330,9 +330,10 @@ def open_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pq.P
         file = pq.ParquetFile(source, page_checksum_verification=True)
         found = file.schema_arrow
         written_by = metadata_of(found).get("schema_version")
-        if _without_own(found).equals(_without_own(schema), check_metadata=True):
+        is_ours = written_by == str(of.SCHEMA_VERSION)
+        if is_ours and _without_own(found).equals(_without_own(schema), check_metadata=True):
             return file
-    if written_by != str(of.SCHEMA_VERSION):
+    if not is_ours:
         expected = f"schema version {of.SCHEMA_VERSION}"
         remedy = "take another results folder, or the version of Upwash that wrote it"
         raise UpwashError(f"{path}: expected {expected}, found {written_by or 'none'}; {remedy}")

@@ -121,10 +121,10 @@ def solve_and_check(sweep: str, folder: ResultsFolder) -> str:
         raise click.exceptions.Exit(FAILED_EXIT)
     at_work(f"gathering and checking {read.name}")
     aggregate(folder, _say)
-    jobs, findings = check(folder)
-    for finding in findings[1:]:
+    checked = check(folder)
+    for finding in checked.findings[1:]:
         _say(str(finding))
-    if findings:
-        raise CheckFailed(f"{folder}: {findings[0]}")
-    _say(f"{folder}: {jobs} jobs solved and checked")
+    if checked.findings:
+        raise CheckFailed(f"{folder}: {checked.findings[0]}")
+    _say(f"{folder}: {len(checked.jobs)} jobs solved and checked")
     return read.text

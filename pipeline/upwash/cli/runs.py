@@ -253,32 +253,41 @@ def aggregate(results: str, as_json: bool) -> None:
 
 @click.command()
 @results
+@click.option("--prove", is_flag=True, help="Repeat the proofs, from the stored rows alone.")
 @as_json
-def check(results: str, as_json: bool) -> None:
+def check(results: str, prove: bool, as_json: bool) -> None:
     """Check that a results folder holds what it must.
 
-    Schema, units, versions, one result a job, balances, bounds, ranks and labels; forces, powers and costs
-    computed anew from each stored solution; the summary against its rows. Exit code 3 if anything does not
-    hold.
+    Schema, units, versions, one result a job; balances, bounds, ranks and labels; forces, powers, costs and
+    the evidence for each optimum computed anew from where it lies; one proof a job that fits its costs; the
+    summary against its rows. With --prove the proofs are repeated too. Exit code 3 if anything does not hold,
+    and else 1 if some jobs failed.
 
     \b
     Example:
       upwash check results/reproduce
+      upwash check results/reproduce --prove
     """
     from upwash.batch.check import check as look_at
     from upwash.batch.folder import ResultsFolder
     from upwash.errors import CheckFailed
 
     at_work("checking")
-    jobs, findings = look_at(ResultsFolder(results))
+    checked = look_at(ResultsFolder(results), prove)
+    findings, jobs, failed = checked.findings, len(checked.jobs), len(checked.failed)
     if as_json:
-        _print_json({"results": results, "jobs": jobs, "findings": [asdict(one) for one in findings]})
+        counts = {"results": results, "jobs": jobs, "failed": failed}
+        _print_json({**counts, "findings": [asdict(one) for one in findings]})
     for finding in findings[1:FINDINGS_SHOWN]:
         _say(str(finding))
     if findings:
         more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
         raise CheckFailed(f"{results}: {findings[0]}{more}")
-    _say(f"{results}: {jobs} jobs, all in order")
+    if failed:
+        others = ", the others in order" if failed < jobs else ""
+        _say(f"{results}: {jobs} jobs, {failed} failed{others}; see 'upwash status {results}'")
+        raise click.exceptions.Exit(FAILED_EXIT)
+    _say(f"{results}: {jobs} jobs, all in order{' and proved again' if prove else ''}")
 
 
 @click.command()

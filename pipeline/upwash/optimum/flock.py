@@ -15,14 +15,15 @@ from functools import lru_cache
 
 from upwash.aero.bird import Bird
 from upwash.aero.checked import one_of
-from upwash.aero.pose import Pose, Stroke
+from upwash.aero.pose import Pose
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import WakeModel
 from upwash.optimum.flock_solution import FlockSolution, Member, on_side
-from upwash.optimum.flock_wake import Place, flock_problems
-from upwash.optimum.pair import solve_pair
+from upwash.optimum.flock_wake import FlockProblem, Place, flock_problems
+from upwash.optimum.pair import need_two_states
 from upwash.optimum.pieces import solve_pieces
-from upwash.optimum.proof import wall_in_words
+from upwash.optimum.problem import PairProblem
+from upwash.optimum.proof import Proof, wall_in_words
 from upwash.optimum.settings import BIRDS, FlockRules, SearchSettings
 from upwash.optimum.solution import PairSolution
 
@@ -76,13 +77,14 @@ def solve_flock(
     one_of(COST_FUNCTIONS)("objective", objective)
     BIRDS("birds", birds)
     rules, model, search = rules or FlockRules(), model or WakeModel(), search or SearchSettings()
+    need_two_states(model)
     first = Place(0, Pose(0.0, 0.0, 0.0, bird.stroke, 0.0))
     members = [Member(1, 0, first)]
     while len(members) < birds and members[-1].place is not None:
         number = len(members) + 1
         ahead = _felt(members, number, rules)
         limit = (first if rules.reading == "lone" else ahead[-1]).pose.stroke.amplitude_m
-        solution = _solve_link(bird, objective, ahead, limit, model, search)
+        solution = _solve_link(link_problems(bird, objective, ahead, limit, model), search)
         members.append(_settle(number, rules, ahead[-1], solution))
     return FlockSolution(bird, objective, rules, model, tuple(members))
 
@@ -95,47 +97,43 @@ def _felt(members: list[Member], number: int, rules: FlockRules) -> tuple[Place,
     return tuple(place for place in ahead if place)
 
 
-def _solve_link(
-    bird: Bird,
-    objective: str,
-    ahead: tuple[Place, ...],
-    limit: float,
-    model: WakeModel,
-    search: SearchSettings,
-) -> PairSolution:
-    """Solve a follower's problem; that of the pair where it is the pair's, whatever place the leader has."""
+def link_problems(
+    bird: Bird, objective: str, ahead: tuple[Place, ...], limit: float, model: WakeModel
+) -> tuple[PairProblem, ...]:
+    """Pose a follower's problem behind birds that are settled, in one piece of phase or several.
+
+    Parameters
+    ----------
+    bird, objective, model
+        As for `solve_flock`.
+    ahead : tuple of Place
+        Every bird whose wake is felt, the one that is followed last; if there is one, its place does not matter.
+    limit : float
+        Largest amplitude of the follower, in m.
+
+    Returns
+    -------
+    tuple of PairProblem
+        The problem of the pair where it is that.
+    """
     if len(ahead) == 1:
         stroke = ahead[0].pose.stroke
         if model.wavelengths == 1:
-            return _pair_link(bird, objective, stroke, limit, model, search)
+            return (PairProblem(bird, objective, stroke, limit, model),)
         ahead = (Place(0, Pose(0.0, 0.0, 0.0, stroke, 0.0)),)
-    return _superposed_link(bird, objective, ahead, limit, model, search)
+    return tuple(flock_problems(bird, objective, ahead, limit, model))
 
 
 @lru_cache(LINKS_KEPT)
-def _pair_link(
-    bird: Bird, objective: str, ahead: Stroke, limit: float, model: WakeModel, search: SearchSettings
-) -> PairSolution:
-    return solve_pair(bird, objective, ahead=ahead, amplitude_limit_m=limit, model=model, search=search)
-
-
-@lru_cache(LINKS_KEPT)
-def _superposed_link(
-    bird: Bird,
-    objective: str,
-    ahead: tuple[Place, ...],
-    limit: float,
-    model: WakeModel,
-    search: SearchSettings,
-) -> PairSolution:
-    return solve_pieces(flock_problems(bird, objective, ahead, limit, model), search, proves_all=False)
+def _solve_link(problems: tuple[PairProblem, ...], search: SearchSettings) -> PairSolution:
+    return solve_pieces(problems, search, proves_all=not isinstance(problems[0], FlockProblem))
 
 
 def _settle(number: int, rules: FlockRules, followed: Place, solution: PairSolution) -> Member:
     """Give a bird its place: the V optimum, on its side of the bird it follows."""
     best, leader, side = solution.v_optimum, rules.leader_of(number), rules.side_of(number)
     if best is None:
-        error = _why_none(leader, solution)
+        error = why_none(leader, solution.proof)
         return Member(number, leader, None, None, solution.proof, solution.solve_time_s, error)
     place = Place(followed.row + 1, best.pose.behind(followed.pose))
     if side < 0.0:
@@ -143,10 +141,9 @@ def _settle(number: int, rules: FlockRules, followed: Place, solution: PairSolut
     return Member(number, leader, place, on_side(best, side), solution.proof, solution.solve_time_s)
 
 
-def _why_none(leader: int, solution: PairSolution) -> str:
-    """Say why a bird has no V optimum, in one line."""
-    proof = solution.proof
-    if not solution.optima:
+def why_none(leader: int, proof: Proof) -> str:
+    """Say why a bird that was to follow `leader` has no V optimum, in one line, by the proof of its problem."""
+    if not proof.feasible:
         is_proved = proof.global_lower_bound is not None and math.isinf(proof.global_lower_bound)
         found = "a proof that there is none" if is_proved else "none"
         return (

@@ -120,8 +120,10 @@ def on_side(optimum: Optimum, side: float) -> Optimum:
     """Return an optimum to the right of the bird ahead as it is on a side: 1 right, −1 left."""
     if side > 0.0:
         return optimum
-    exchanged = re.sub(
-        "left|right", lambda found: {"left": "right"}.get(found[0], "left"), optimum.core_edges
-    )
     pose = optimum.pose.mirrored()
-    return replace(optimum, pose=pose, y_m=pose.y_m, core_edges=exchanged)
+    return replace(optimum, pose=pose, y_m=pose.y_m, core_edges=other_side(optimum.core_edges))
+
+
+def other_side(core_edges: str) -> str:
+    """Return core edges as they are on the other side of the bird ahead."""
+    return re.sub("left|right", lambda found: {"left": "right"}.get(found[0], "left"), core_edges)

@@ -18,7 +18,7 @@ from upwash.aero.bird import Bird
 from upwash.aero.interaction import phase_weights
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
-from upwash.optimum.problem import PairProblem
+from upwash.optimum.problem import PairProblem, least_turn
 
 SAME_PHASE = 1e-12
 """Phases closer than this are one."""
@@ -69,6 +69,12 @@ class FlockProblem(PairProblem):
         if self.is_symmetric:
             return 0.5 - coordinate
         return (self.phase_start + coordinate) % 1.0
+
+    def coordinate(self, phase: float) -> float:
+        """Phase coordinate of a phase in [0, 1); outside 0 to `phase_span` if the phase is not in this piece."""
+        if self.is_symmetric:
+            return 0.5 - phase
+        return least_turn(phase - self.phase_start)
 
     def phase_span(self) -> float:
         """Greatest phase coordinate."""

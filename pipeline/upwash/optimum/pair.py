@@ -55,11 +55,22 @@ def solve_pair(
     1.82 m behind and 0.88 m aside it saves 11% of its power
     """
     model = model or WakeModel()
+    need_two_states(model)
+    # None stands for the bird's own: the problem puts it in.
+    problem = PairProblem(bird, objective, ahead, amplitude_limit_m, model)  # type: ignore[arg-type]
+    return solve_pieces([problem], search or SearchSettings())
+
+
+def need_two_states(model: WakeModel) -> None:
+    """Refuse a model of other than two stroke states.
+
+    Raises
+    ------
+    ValueError
+        If it has.
+    """
     if model.stroke_states != 2:
         raise ValueError(
             f"stroke_states: expected 2, the states in which optima can be searched and proved, "
             f"found {model.stroke_states}"
         )
-    # None stands for the bird's own: the problem puts it in.
-    problem = PairProblem(bird, objective, ahead, amplitude_limit_m, model)  # type: ignore[arg-type]
-    return solve_pieces([problem], search or SearchSettings())

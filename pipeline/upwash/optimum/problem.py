@@ -129,6 +129,12 @@ class PairProblem:
             return 0.5 - coordinate
         return (self.piece / self.model.stroke_states + coordinate) % 1.0
 
+    def coordinate(self, phase: float) -> float:
+        """Phase coordinate of a phase κ in [0, 1); outside 0 to `phase_span` if the phase is not in this piece."""
+        if self.model.stroke_states == 2 and self.piece == 1:
+            return 0.5 - phase
+        return least_turn(phase - self.piece / self.model.stroke_states)
+
     def wake(self) -> Wake:
         """Vortex rings that the follower feels, in semispans; their states are the rows of `phase_ramp`."""
         return vortex_wake(
@@ -220,6 +226,14 @@ class PairProblem:
         found[2, 0], found[2, 1] = max(found[2, 0], -level), min(found[2, 1], level)
         return found
 
+
+def least_turn(lag: float) -> float:
+    """Return a lag in wingbeats as a number from 0 to 1; what is below 0 by rounding stays there."""
+    return (lag + TURN_ROUNDING) % 1.0 - TURN_ROUNDING
+
+
+TURN_ROUNDING = 1e-9
+"""By how much a phase may lie before its piece, in wingbeats."""
 
 ASTERN = 1.0
 """Least streamwise distance, in semispans, of a follower that its leader does not feel."""

@@ -13,7 +13,7 @@ import pandas as pd
 
 from upwash import columns as of
 from upwash.aero.power import COST_FUNCTIONS
-from upwash.batch.check import RESIDUAL_LIMIT
+from upwash.batch.row_checks import RESIDUAL_LIMIT
 from upwash.optimum.proof import is_proved, wall_in_words
 from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1
 from upwash.report.table import Table, shown

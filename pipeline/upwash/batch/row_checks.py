@@ -1,0 +1,260 @@
+"""What must hold of the rows of one job: each by itself, and all of them together.
+
+Nothing here believes what a solver said of itself: what follows from the stored inputs and places is computed anew.
+`upwash.columns` says of each column which of these checks answers for it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+
+from upwash import columns as of
+from upwash.batch.job import Row, bounds_of, job_of, recompute
+from upwash.batch.verify import alike, evidence_of, links_of, walls, why_infeasible
+from upwash.sweep.job import BUILT_IN_SOLVER
+
+RESIDUAL_LIMIT = 1e-9
+"""Largest imbalance of lift or thrust, over weight or drag."""
+
+RECOMPUTED = of.Agreement(relative=1e-9, absolute=1e-9)
+"""How closely a stored value must agree with its recomputation, which sums in another order."""
+
+EXAMINED = of.Agreement(relative=1e-6, absolute=1e-8)
+"""How closely stored evidence must agree with what is found anew at a place that was rounded to be stored."""
+
+BOUND_SLACK = 1e-9
+"""How far beyond a bound a variable may lie, over the width between its bounds: rounding."""
+
+NOTHING_FOUND = of.names(of.belonging(of.OPTIMUM))
+ASKED = of.names(column for column in of.COLUMNS if column.verified == of.IDENTITY)
+
+Complaints = Iterator[tuple[str, str]]
+"""Columns, and what does not hold of them: what was expected, and what was found."""
+
+
+def identity(rows: Sequence[Row]) -> Complaints:
+    """All rows are of one job, whose id follows from its inputs and the model's version."""
+    first = rows[0]
+    for row in rows:
+        if row["status"] not in of.STATUSES:
+            yield "status", f"expected one of {', '.join(of.STATUSES)}, found {row['status']!r}"
+        for name in ASKED:
+            if name in row and row[name] != first[name]:
+                yield name, f"expected {first[name]!r} as in the job's first row, found {row[name]!r}"
+        if row.get("flock_id", row["job_id"]) != row["job_id"]:
+            yield "flock_id", f"expected the job's id, found {row['flock_id']!r}"
+    expected = job_of(first).job_id
+    if first["job_id"] != expected:
+        yield "job_id", f"expected {expected} by its inputs and this model's version, found another"
+
+
+def outcome(rows: Sequence[Row]) -> Complaints:
+    """A solved row has a solution and no error; any other has an error, and nothing was found in it."""
+    for number, row in enumerate(rows):
+        if row["status"] == of.SOLVED:
+            if row["error"] is not None:
+                yield "error", f"expected none in a solved row, found {row['error']!r}"
+            has_none = row.get("rank", 0) is None and "optima_found" in row
+            for column in of.COLUMNS if not has_none else ():
+                if row.get(column.name, "") is None and not _may_lack(row, column):
+                    yield column.name, "expected a value in a solved row, found none"
+                if _leads(row) and column.absent != of.NEVER and row.get(column.name) is not None:
+                    yield column.name, f"expected none of a bird that leads, found {row[column.name]!r}"
+            continue
+        if not row["error"]:
+            yield "error", f"expected to learn why the row is {row['status']}, found nothing"
+        for name in NOTHING_FOUND:
+            if row.get(name) is not None:
+                yield name, f"expected no solution in a row that is {row['status']}, found {row[name]!r}"
+        is_last = number == len(rows) - 1
+        if not is_last or (row["kind"] == "pair" and number):
+            yield "status", f"expected nothing beside a row that is {row['status']}, found other rows"
+        if row["status"] == of.INFEASIBLE and row["solver"] == BUILT_IN_SOLVER and "birds_placed" not in row:
+            expected = why_infeasible(row)
+            if expected is None:
+                yield "feasible", "expected a proof, or the lack of one, stated with it, found nothing"
+            elif row["error"] != expected:
+                yield "error", f"expected {expected!r} by inputs and proof, found {row['error']!r}"
+
+
+def _leads(row: Row) -> bool:
+    return row.get("bird") == 1
+
+
+def _may_lack(row: Row, column: of.Column) -> bool:
+    is_own = row["solver"] != BUILT_IN_SOLVER
+    return {
+        of.NEVER: False,
+        of.LEADING: _leads(row),
+        of.UNREPORTED: _leads(row) or is_own,
+        of.SOMETIMES: True,
+    }[column.absent]
+
+
+def numbers(rows: Sequence[Row]) -> Complaints:
+    """Every number is finite, and possible."""
+    for row in rows:
+        for name, value in row.items():
+            if isinstance(value, float) and not math.isfinite(value):
+                yield name, f"expected a finite number, found {value}"
+            elif (least := LEAST.get(name)) is not None and value is not None and value < least:
+                yield name, f"expected at least {least:g}, found {value}"
+
+
+LEAST = {column.name: column.least for column in of.COLUMNS if column.least is not None}
+
+
+def residuals(rows: Sequence[Row]) -> Complaints:
+    """Lift and thrust balance."""
+    for row in rows:
+        for name in ("residual_lift", "residual_thrust"):
+            if abs(row.get(name) or 0.0) > RESIDUAL_LIMIT:
+                yield name, f"expected at most {RESIDUAL_LIMIT:g}, found {row[name]:.3g}"
+
+
+def bounds(rows: Sequence[Row]) -> Complaints:
+    """Every variable lies within its bounds."""
+    for row in rows:
+        if row.get("x_m") is None:
+            continue
+        for name, (low, high) in bounds_of(row).items():
+            slack = BOUND_SLACK * (high - low)
+            if not low - slack <= row[name] <= high + slack:
+                yield name, f"expected {low:.6g} to {high:.6g}, found {row[name]:.9g}"
+
+
+def recomputed(rows: Sequence[Row]) -> Complaints:
+    """Forces, powers, savings, costs and labels are what the inputs and the solution make them."""
+    for row, expected in zip(rows, recompute(rows), strict=True):
+        yield from _unlike(row, expected, RECOMPUTED, "by recomputation")
+
+
+def examined(rows: Sequence[Row]) -> Complaints:
+    """Each place is an optimum, and the evidence for it is what is found there."""
+    for row, expected in zip(rows, evidence_of(rows), strict=True):
+        stated = {name: value for name, value in expected.items() if _is_stated(row, name)}
+        yield from _unlike(row, stated, EXAMINED, "at the place that is stored")
+
+
+def _is_stated(row: Row, name: str) -> bool:
+    return row[name] is not None or row["solver"] == BUILT_IN_SOLVER
+
+
+def _unlike(row: Row, expected: Row, agreement: of.Agreement, how: str) -> Complaints:
+    for name, value in expected.items():
+        found = row[name]
+        if isinstance(value, float) and isinstance(found, float):
+            if not agreement.holds(found, value):
+                yield name, f"expected {value:.12g} {how}, found {found:.12g}"
+        elif found != value:
+            yield name, f"expected {value!r} {how}, found {found!r}"
+
+
+def proofs(rows: Sequence[Row]) -> Complaints:
+    """The proof is one, no cost is below its bounds, and each gap is that between a cost and its bound."""
+    if rows[0]["kind"] == "pair":
+        for name in of.names(of.belonging(of.PROOF, of.EFFORT)):
+            if any(row[name] != rows[0][name] for row in rows):
+                yield name, "expected the same in all rows of a job, found several values"
+    for row in rows:
+        if "v_wall" in row and row["status"] != of.FAILED and not _leads(row):
+            yield from _bounded(row, "v", _is_v_formation(row))
+            yield from _bounded(row, "global", row["rank"] is not None)
+            yield from _in_the_v(row)
+            # A flock's bird may have optima, and none in the V.
+            is_told = row["solver"] == BUILT_IN_SOLVER and (
+                row["kind"] == "pair" or row["status"] == of.SOLVED
+            )
+            if is_told and row["feasible"] is not (row["status"] == of.SOLVED):
+                yield "feasible", f"expected {not row['feasible']} in a row that is {row['status']}"
+
+
+def _bounded(row: Row, region: str, is_covered: bool) -> Complaints:
+    """A region's bound is below the cost of an optimum in it, and the best one's gap is the one between them."""
+    bound, gap = row[f"{region}_lower_bound"], row[f"{region}_certified_gap"]
+    if bound is None:
+        # A flock's bird with several ahead is proved in its V region alone.
+        if is_covered and row["solver"] == BUILT_IN_SOLVER and (region == "v" or row["kind"] == "pair"):
+            yield f"{region}_lower_bound", "expected a bound, as there is such a follower, found none"
+        if gap is not None:
+            yield f"{region}_certified_gap", f"expected none without a bound, found {gap}"
+        return
+    if is_covered and row["cost"] < bound * (1.0 - RECOMPUTED.relative):
+        yield "cost", f"expected no less than the proved bound {bound:.12g}, found {row['cost']:.12g}"
+    if row[f"is_{region}_optimum"]:
+        expected = row["cost"] / bound - 1.0 if bound else math.inf
+        if gap is None or not abs(expected - gap) <= RECOMPUTED.absolute:
+            yield f"{region}_certified_gap", f"expected cost over bound less 1, {expected:.3g}, found {gap}"
+
+
+def _in_the_v(row: Row) -> Complaints:
+    """The best place in the V is the V optimum, or costs less and lies on a wall that is named."""
+    best, own, wall = row["v_region_certified_gap"], row["v_certified_gap"], row["v_wall"]
+    if row["solver"] != BUILT_IN_SOLVER and wall is None:
+        return
+    if not wall and best != own:
+        yield (
+            "v_region_certified_gap",
+            f"expected v_certified_gap, {own}, as no v_wall is named, found {best}",
+        )
+    if wall and (best is None or best < -RECOMPUTED.absolute or (own is not None and best >= own)):
+        yield "v_region_certified_gap", f"expected less than v_certified_gap, {own}, on a wall, found {best}"
+    if wall and not set(wall.split(",")) <= set(walls()):
+        yield "v_wall", f"expected some of {', '.join(walls())}, found {wall!r}"
+
+
+def ranks(rows: Sequence[Row]) -> Complaints:
+    """Optima are distinct and ranked by cost; the first is the global one, the best in the V the V optimum."""
+    if rows[0]["rank"] is None:
+        return
+    best_v = next((row["rank"] for row in rows if _is_v_formation(row)), None)
+    for number, row in enumerate(rows):
+        if row["rank"] != number:
+            yield "rank", f"expected {number}, found {row['rank']}"
+        if number and row["cost"] < rows[number - 1]["cost"]:
+            yield "cost", f"expected no less than that of rank {number - 1}, found {row['cost']:.12g}"
+        for name, expected in (("is_global_optimum", number == 0), ("is_v_optimum", number == best_v)):
+            if row[name] is not expected:
+                yield name, f"expected {expected} at rank {number}, found {row[name]}"
+    for first, second in alike(rows):
+        yield "rank", f"expected distinct optima, found that of rank {first} again at rank {second}"
+    starts = {row["starts"] for row in rows}
+    if len(starts) > 1:
+        yield "starts", "expected the same in all rows of a job, found several values"
+    elif (hits := sum(row["hits"] or 0 for row in rows)) > (rows[0]["starts"] or math.inf):
+        yield "hits", f"expected no more in all than {rows[0]['starts']} starts, found {hits}"
+    if any(row["v_certified_gap"] is not None for row in rows) and best_v is None:
+        yield "v_certified_gap", "expected none without a V optimum, found one"
+
+
+def numbered(rows: Sequence[Row]) -> Complaints:
+    """A flock's birds are numbered from 1; all are there, or the last has no place."""
+    # A flock whose first bird cannot be has no birds.
+    if "bird" not in rows[0] or (rows[0]["bird"] is None and rows[0]["status"] != of.SOLVED):
+        return
+    for number, row in enumerate(rows, start=1):
+        if row["bird"] != number:
+            yield "bird", f"expected {number}, found {row['bird']}"
+    if len(rows) > rows[0]["birds"] or (len(rows) < rows[0]["birds"] and rows[-1]["status"] == of.SOLVED):
+        yield "bird", f"expected {rows[0]['birds']} birds, or a last one without a place, found {len(rows)}"
+
+
+def chain(rows: Sequence[Row]) -> Complaints:
+    """Each bird of a flock follows the one that the shape says, and stands there, on its side."""
+    for row in rows if rows[0]["status"] == of.SOLVED else ():
+        for name, value in links_of(row, rows).items():
+            # Places add up, the rest is the same value.
+            agreement = RECOMPUTED if "_flock" in name else of.EXACT
+            yield from _unlike(row, {name: value}, agreement, "by the flock's shape and the birds ahead")
+
+
+def _is_v_formation(row: Row) -> bool:
+    return (row.get("placement"), row.get("tier"), row.get("station")) == ("outboard", "level", "astern")
+
+
+Check = Callable[[Sequence[Row]], Complaints]
+FORM: tuple[Check, ...] = (identity, outcome, numbers, numbered)
+BOUNDS: tuple[Check, ...] = (bounds,)
+CONTENT: tuple[Check, ...] = (residuals, proofs, recomputed, examined)
+WHOLE: dict[str, tuple[Check, ...]] = {"pair": (ranks,), "flock": (chain,)}

@@ -1,0 +1,186 @@
+"""What was found and proved, verified from what is kept of it: the evidence at a place, and the proof of a bound.
+
+Nothing of the search is taken for granted. A place is examined as the search examined it; a bound is proved again by
+branch and bound with that bound as the cost to be exceeded, and while that goes on, something that costs less is looked
+for where it could be.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from upwash.aero.pose import Pose
+from upwash.optimum.certify import certify
+from upwash.optimum.edges import distinct_edges
+from upwash.optimum.evidence import Evidence, describe_edge, gather_evidence
+from upwash.optimum.local import SCALE
+from upwash.optimum.problem import CORE2, VARIABLES, PairProblem
+from upwash.optimum.search import SAME_BASIN, Search
+
+SAME_PIECE = 1e-9
+"""How far outside a piece of phase a phase may lie that was rounded, in wingbeats."""
+
+CHEAPER = 1e-8
+"""A follower that costs less than is claimed by more than this share refutes the claim."""
+
+SLACK = 1e-9
+"""By how much a bound may exceed the one that is proved again, as a share: rounding."""
+
+GAP_ROUNDING = 1e-6
+"""Share of the tolerance by which a gap may exceed it that was closed to it."""
+
+STARTS = 60
+"""Starts where a follower is looked for that is said not to be there, or to be on a wall."""
+
+
+@dataclass(frozen=True)
+class Refuted:
+    """What speaks against a claim: a follower that costs less, or a proof that does not close again.
+
+    Attributes
+    ----------
+    cost : float or None
+        What it costs, in the unit of the cost; None if none was found, and nothing could be proved either.
+    """
+
+    cost: float | None
+
+
+def point_in(problem: PairProblem, pose: Pose) -> NDArray[np.float64] | None:
+    """Return a pose in scaled variables, or None if its phase is not in the problem's piece."""
+    coordinate, end = problem.coordinate(pose.phase), problem.phase_span()
+    if not -SAME_PIECE <= coordinate <= end + SAME_PIECE:
+        return None
+    lengths = np.array([*pose.position_m, pose.stroke.amplitude_m]) / problem.bird.semispan_m
+    return np.array([*lengths, pose.stroke.span_ratio, min(max(coordinate, 0.0), end)])
+
+
+def examine(problems: Sequence[PairProblem], pose: Pose) -> list[dict[str, Any]]:
+    """Return the evidence for an optimum at a pose, by the columns of the results.
+
+    Parameters
+    ----------
+    problems : sequence of PairProblem
+        The problem, in each piece of phase.
+    pose : Pose
+        Where and how the follower flies, to the right of the bird ahead.
+
+    Returns
+    -------
+    list of dict
+        One for each piece in which the pose lies: two where two pieces meet.
+    """
+    found = []
+    for problem in problems:
+        point = point_in(problem, pose)
+        if point is None:
+            continue
+        group, representative = distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
+        evidence = gather_evidence(problem, group, representative, point)
+        found.append(_as_columns(problem, representative, evidence))
+    return found
+
+
+def _as_columns(
+    problem: PairProblem, representative: NDArray[np.int64], evidence: Evidence
+) -> dict[str, Any]:
+    edges = (describe_edge(problem, *representative[edge]) for edge in evidence.core_edges)
+    return {
+        "active_bounds": ",".join(evidence.active_bounds),
+        "core_edges": ", ".join(edges),
+        "stationarity": evidence.stationarity,
+        "curvature": evidence.curvature,
+        "multiplier_lift": evidence.multiplier_lift,
+        "multiplier_thrust": evidence.multiplier_thrust,
+    }
+
+
+def alike(problem: PairProblem, poses: Sequence[Pose]) -> list[tuple[int, int]]:
+    """Return which poses are one and the same optimum, as pairs of their numbers."""
+    points = [point_in(problem, pose) for pose in poses]
+    return [
+        (first, second)
+        for (first, one), (second, other) in combinations(enumerate(points), 2)
+        if one is not None and other is not None and np.max(np.abs(one - other) / SCALE) < SAME_BASIN
+    ]
+
+
+def refute_bound(
+    problems: Sequence[PairProblem],
+    bound: float | None,
+    best: float | None,
+    tolerance: float,
+    *,
+    in_v: bool,
+) -> Refuted | None:
+    """Prove a lower bound again, and look for something better than the best that is claimed.
+
+    Parameters
+    ----------
+    problems : sequence of PairProblem
+        The problem, in each piece of phase.
+    bound : float or None
+        What is claimed to be less than any cost, in its unit; None if it is claimed that no follower balances.
+    best : float or None
+        The least cost that is claimed to be reached; None if no follower was found.
+    tolerance : float
+        Gap between the two to which a proof was asked for. Where it was not reached, it is tried for again.
+    in_v : bool
+        Whether the claims are of the V region alone.
+
+    Returns
+    -------
+    Refuted or None
+        What speaks against it, or None if the proof closed and nothing better was met.
+    """
+    unit = problems[0].leader_cost
+    gap = best / bound - 1.0 if best is not None and bound else 0.0
+    attempts = [(best if best is not None else bound, max(gap, 0.0) + SLACK, True)]
+    if bound is not None and (best is None or gap > tolerance * (1.0 + GAP_ROUNDING)):
+        attempts.append((best, tolerance, False))
+    for problem in problems:
+        region = problem.v_bounds() if in_v else problem.bounds
+        search = Search(problem)
+        descend = partial(search.descend, bounds=region)
+        if bound is None:
+            is_empty = bool(np.any(region[:, 0] > region[:, 1]))
+            if not is_empty and (met := descend(search.random_starts(region, STARTS))):
+                return Refuted(met[0].cost * unit)
+        for incumbent, margin, must_close in attempts:
+            cost = np.inf if incumbent is None else incumbent / unit
+            proof = certify(problem, region, cost, margin, descend=descend)
+            if proof.found is not None and proof.found.cost < cost * (1.0 - CHEAPER):
+                return Refuted(proof.found.cost * unit)
+            if must_close != proof.is_closed and (must_close or best is not None):
+                return Refuted(None if must_close else math.inf)
+    return None
+
+
+def best_on_wall(problems: Sequence[PairProblem], wall: str) -> float:
+    """Return the least cost met on a wall of the V region, in its unit; infinite if none is.
+
+    Parameters
+    ----------
+    problems : sequence of PairProblem
+        The problem, in each piece of phase.
+    wall : str
+        One wall or several, comma separated, as ``y_lower``.
+    """
+    best = math.inf
+    for problem in problems:
+        face = problem.v_bounds()
+        for name in wall.split(","):
+            variable, _, side = name.rpartition("_")
+            face[VARIABLES.index(variable)] = face[VARIABLES.index(variable), int(side == "upper")]
+        search = Search(problem)
+        costs = [basin.cost for basin in search.descend(search.random_starts(face, STARTS), face)]
+        best = min([best, *costs])
+    return best * problems[0].leader_cost
