@@ -71,7 +71,7 @@ def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
     notes = []
     if chain is None:
         columns["proof"] = placed.apply(proof_in_v, axis=1)
-        notes += open_explained(columns["proof"])
+        notes += open_explained(placed)
     else:
         before = chain[chain["status"] == of.SOLVED]
         given_up = cost.to_numpy() - 100.0 * (before["cost"] / before["cost_leader"]).to_numpy()
@@ -126,17 +126,17 @@ def flock_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def proof_in_v(row: Any) -> str:
+def proof_in_v(bird: Any) -> str:
     """Say in a few words whether a bird's place is proved to be the best optimum of its V region."""
-    gap = row["v_certified_gap"]
+    gap = bird["v_certified_gap"]
     if pd.isna(gap):
         return ABSENT
-    return PROVED if is_proved(gap, row["tolerance"]) else f"{OPEN}, gap {power_of_ten(gap)}"
+    return PROVED if is_proved(gap, bird["tolerance"]) else f"{OPEN}, gap {power_of_ten(gap)}"
 
 
-def open_explained(proofs: pd.Series) -> list[str]:
-    """Explain what it means that a place is not proved to be the best, if one is not."""
-    is_open = proofs.str.startswith(OPEN).any()
-    return (
-        [f"{OPEN}: another place in the V may cost less than this one, by up to the gap"] if is_open else []
-    )
+def open_explained(birds: pd.DataFrame) -> list[str]:
+    """Explain what it means that a place is not proved to be the best, if one of some birds' is not."""
+    claimed = birds[birds["v_certified_gap"].notna()]
+    if all(map(is_proved, claimed["v_certified_gap"], claimed["tolerance"])):
+        return []
+    return [f"{OPEN}: another place in the V may cost less than this one, by up to the gap"]

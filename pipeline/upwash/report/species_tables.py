@@ -172,7 +172,8 @@ def objectives_tables(changes: pd.DataFrame) -> list[Table]:
         frame = pd.DataFrame({"species": group["species"], **shown})
         title = f"By power less by force, amplitude by {convention}"
         notes = ("Δ of a percentage is in percentage points", INTERVALS)
-        tables.append(Table(title, frame, notes=notes if "[" in frame.to_string() else notes[:1]))
+        has_intervals = group.filter(like="_change_low").notna().any(axis=None)
+        tables.append(Table(title, frame, notes=notes if has_intervals else notes[:1]))
     return tables
 
 

@@ -103,7 +103,7 @@ def _flock_tables(sources: Sources) -> list[Table]:
         )
         formats = dict.fromkeys(frame.columns[1:], ".3f") | {"saving %": ".1f"}
         title = f"Flock of {least(objective)}, reading of the amplitude bound: {reading}"
-        tables.append(Table(title, frame, formats, tuple(open_explained(frame["proof"]))))
+        tables.append(Table(title, frame, formats, tuple(open_explained(birds))))
     return tables
 
 
