@@ -10,11 +10,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from upwash.aero.checked import REACH, check_fields, must_be, not_negative, ratio
+from upwash.aero.checked import REACH, at_most, check_fields, must_be, not_negative, ratio
 from upwash.aero.pose import Stroke
 
 _SOME = must_be(REACH)
 _SHARE = must_be(ratio & REACH)
+
+
+_UPSTROKE = not_negative & at_most(1e9, "a bird's upstroke carries little more than its downstroke")
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,7 @@ class Bird:
     gravity_m_s2: float = field(metadata=_SOME)
     amplitude_m: float = field(metadata=_SOME)
     upstroke_span_ratio: float = field(metadata=_SHARE)
-    circulation_ratio: float = field(default=1.0, metadata=must_be(not_negative))
+    circulation_ratio: float = field(default=1.0, metadata=must_be(_UPSTROKE))
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 
 from upwash.aero.checked import REACH, check_fields, finite, must_be, ratio, within
 
-_PLACE = finite & within(-1e9, 1e9, "no bird is so far away: look at the unit")
+_PLACE = finite & within(-1e20, 1e20, "no bird is so far away: look at the unit")
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,9 @@ class ShardType(click.ParamType):
 @click.argument("sweep")
 @click.option("--results", metavar="DIR", help="Results folder.  [default: results/NAME-OF-THE-SWEEP]")
 @click.option("--dry-run", is_flag=True, help="List each job and why it would run; write nothing.")
-@click.option("--workers", type=click.IntRange(1), default=2, show_default=True, help="Worker processes.")
+@click.option(
+    "--workers", type=click.IntRange(1, 1024), default=2, show_default=True, help="Worker processes."
+)
 @click.option("--backend", type=click.Choice(["loky", "dask"]), default="loky", show_default=True)
 @click.option("--scheduler", metavar="ADDRESS", help="Address of the dask scheduler, as in tcp://host:8786.")
 @click.option("--shard", type=ShardType(), default="1/1", show_default=True, help="Do part i of n only.")
