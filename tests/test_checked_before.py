@@ -12,13 +12,12 @@ from upwash.aero.checked import rules_of
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.errors import UpwashError
-from upwash.optimum.settings import FlockRules, SearchSettings
+from upwash.optimum.settings import FLOCK_CHOICES, FlockRules, SearchSettings
 from upwash.species import AMPLITUDE_CONVENTIONS
 from upwash.species.library import LIBRARY_FOLDER
 from upwash.species.quantity import QUANTITIES
 from upwash.sweep import read_sweep
 from upwash.sweep.choices import CHOICES, PARAMETERS
-from upwash.sweep.job import FLOCK_CHOICES
 from upwash.sweep.single import single_job
 
 IBIS = load_species("northern-bald-ibis")

@@ -109,7 +109,7 @@ class TestTakes:
 
     def test_an_amplitude_that_is_set_is_no_conventions(self):
         assert job("amplitude_m=0.9").amplitude_convention == "given"
-        assert job("amplitude_m=0.9").leader_amplitude_m == 0.9
+        assert job("amplitude_m=0.9").bird.amplitude_m == 0.9
 
 
 class TestRefuses:

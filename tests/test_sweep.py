@@ -5,8 +5,10 @@ from collections import Counter
 
 import pytest
 from upwash.errors import UpwashError
+from upwash.optimum.settings import FlockRules
 from upwash.species import load_species
 from upwash.sweep import file, read_sweep
+from upwash.sweep.job import Flock
 from upwash.sweep.toml_lines import key_lines, line_of
 
 IBIS = 'species = "northern-bald-ibis"\n'
@@ -25,7 +27,7 @@ def jobs(tmp_path):
 
 
 def values(jobs, name):
-    return [getattr(job, name) for job in jobs]
+    return [job.inputs()[name] for job in jobs]
 
 
 class TestChoices:
@@ -33,15 +35,20 @@ class TestChoices:
         (job,) = jobs(IBIS)
         bird = load_species("northern-bald-ibis").bird()
         assert (job.kind, job.objective, job.amplitude_convention) == ("pair", "force", "stroke-angle")
-        assert (job.leader_amplitude_m, job.leader_upstroke_span_ratio) == (
+        assert (job.inputs()["leader_amplitude_m"], job.inputs()["leader_upstroke_span_ratio"]) == (
             bird.amplitude_m,
             bird.upstroke_span_ratio,
         )
-        assert (job.core_radius_ratio, job.stroke_states, job.span_nodes, job.seed) == (0.171, 2, 2, 0)
+        assert (
+            job.model.core_radius_ratio,
+            job.inputs()["stroke_states"],
+            job.model.span_nodes,
+            job.search.seed,
+        ) == (0.171, 2, 2, 0)
 
     def test_lists_of_choices_multiply_and_the_first_varies_slowest(self, jobs):
         found = jobs('species = ["mute-swan", "dunlin"]\nobjective = ["power", "force"]\nseed = [1, 2]\n')
-        assert [(job.species, job.objective, job.seed) for job in found[:3]] == [
+        assert [(job.species, job.objective, job.search.seed) for job in found[:3]] == [
             ("mute-swan", "power", 1),
             ("mute-swan", "power", 2),
             ("mute-swan", "force", 1),
@@ -55,7 +62,7 @@ class TestChoices:
         library = file.SWEEP_FOLDER.parent / "species" / "mute-swan.toml"
         (tmp_path / "my-swan.toml").write_text(library.read_text())
         (job,) = jobs('species = "./my-swan.toml"\n')
-        assert (job.species, job.mass_kg) == ("my-swan", load_species("mute-swan").bird().mass_kg)
+        assert (job.species, job.bird.mass_kg) == ("my-swan", load_species("mute-swan").bird().mass_kg)
 
     def test_both_conventions_for_the_amplitude(self, jobs):
         found = jobs('species = "mute-swan"\namplitude = ["stroke-angle", "strouhal"]\n')
@@ -66,12 +73,7 @@ class TestChoices:
 
     def test_flocks_take_the_papers_by_default_and_lists_multiply(self, jobs):
         (default,) = jobs(IBIS + 'kind = "flock"\n')
-        assert (default.birds, default.shape, default.wake, default.reading) == (
-            6,
-            "echelon",
-            "neighbour",
-            "immediate",
-        )
+        assert default.flock == Flock(6, FlockRules("echelon", "neighbour", "immediate"))
         text = (
             IBIS + 'kind = "flock"\n[flock]\nbirds = [2, 3]\nshape = ["vee", "echelon"]\nreading = "lone"\n'
         )
@@ -79,14 +81,14 @@ class TestChoices:
 
     def test_an_impossible_amplitude_is_a_job_and_no_mistake(self, jobs):
         (job,) = jobs('species = "dunlin"\namplitude = "strouhal"\n')
-        assert job.leader_amplitude_m > 2 * job.semispan_m
+        assert job.inputs()["leader_amplitude_m"] > 2 * job.inputs()["semispan_m"]
 
 
 class TestValues:
     def test_fixed_values_replace_the_species_own_and_move_its_amplitude(self, jobs):
         (job,) = jobs(IBIS + "[fixed]\nsemispan_m = 1.2\nspeed_m_s = 14\n")
-        assert (job.semispan_m, job.speed_m_s) == (1.2, 14.0)
-        assert job.leader_amplitude_m == pytest.approx(2 * 1.2 * math.sin(math.pi / 3), rel=1e-15)
+        assert (job.inputs()["semispan_m"], job.bird.speed_m_s) == (1.2, 14.0)
+        assert job.inputs()["leader_amplitude_m"] == pytest.approx(2 * 1.2 * math.sin(math.pi / 3), rel=1e-15)
 
     def test_grids_multiply_lists_and_rows(self, jobs):
         found = jobs(
@@ -99,7 +101,11 @@ class TestValues:
 
     def test_zipped_lists_go_side_by_side(self, jobs):
         found = jobs(IBIS + "[zip]\nmass_kg = [1.1, 1.2, 1.3]\nspeed_m_s = [13, 14, 15]\n")
-        assert [(job.mass_kg, job.speed_m_s) for job in found] == [(1.1, 13.0), (1.2, 14.0), (1.3, 15.0)]
+        assert [(job.bird.mass_kg, job.bird.speed_m_s) for job in found] == [
+            (1.1, 13.0),
+            (1.2, 14.0),
+            (1.3, 15.0),
+        ]
 
     def test_two_zips_multiply(self, jobs):
         found = jobs(
@@ -118,15 +124,15 @@ class TestValues:
         text = 'species = "mute-swan"\namplitude = "strouhal"\n[fixed]\nspeed_m_s = 15\n'
         (job,) = jobs(text + "amplitude_m = { value = 0.5, relative = true }\n")
         expected = 0.5 * load_species("mute-swan").amplitude_m("strouhal", speed_m_s=15.0)
-        assert (job.leader_amplitude_m, job.amplitude_convention) == (expected, "strouhal")
+        assert (job.inputs()["leader_amplitude_m"], job.amplitude_convention) == (expected, "strouhal")
 
     def test_an_amplitude_given_outright_follows_no_convention(self, jobs):
         (job,) = jobs(IBIS + "[fixed]\namplitude_m = 0.9\n")
-        assert (job.leader_amplitude_m, job.amplitude_convention) == (0.9, "given")
+        assert (job.inputs()["leader_amplitude_m"], job.amplitude_convention) == (0.9, "given")
 
     def test_the_resolution_of_the_wake_may_vary(self, jobs):
         found = jobs(IBIS + "[grid]\nspan_nodes = [2, 4]\ncore_radius_ratio = [0.1, 0.171]\n")
-        assert {(job.span_nodes, job.core_radius_ratio) for job in found} == {
+        assert {(job.model.span_nodes, job.model.core_radius_ratio) for job in found} == {
             (2, 0.1),
             (2, 0.171),
             (4, 0.1),
@@ -159,7 +165,7 @@ class TestSamples:
             ranges = load_species(job.species).ranges()
             for name in ("mass_kg", "semispan_m", "speed_m_s", "period_s", "density_kg_m3", "gravity_m_s2"):
                 low, high = ranges[name]
-                assert low <= getattr(job, name) <= high, name
+                assert low <= job.inputs()[name] <= high, name
 
     def test_within_species_samples_only_the_parameters_named(self, jobs):
         text = IBIS + '[sample]\nmethod = "sobol"\ncount = 8\nwithin = "species"\nparameters = ["mass_kg"]\n'
@@ -173,7 +179,7 @@ class TestSamples:
         shares = {}
         for job in jobs(text):
             low, high = load_species(job.species).ranges()["mass_kg"]
-            shares.setdefault(job.species, []).append((job.mass_kg - low) / (high - low))
+            shares.setdefault(job.species, []).append((job.bird.mass_kg - low) / (high - low))
         assert shares["mute-swan"] == pytest.approx(shares["dunlin"])
 
     def test_saltelli_changes_one_parameter_at_a_time(self, jobs):
@@ -182,7 +188,7 @@ class TestSamples:
             "[sample.ranges]\nmass_kg = [1, 2]\nspeed_m_s = [12, 15]\nperiod_s = [0.2, 0.3]\n"
         )
         names = ("mass_kg", "speed_m_s", "period_s")
-        points = [tuple(getattr(job, name) for name in names) for job in found]
+        points = [tuple(job.inputs()[name] for name in names) for job in found]
         assert len(points) == 4 * (3 + 2)
         for first in range(0, len(points), 5):
             a, *mixed, b = points[first : first + 5]
@@ -208,7 +214,7 @@ class TestBlocks:
         text += "[grid]\nspeed_m_s = [12, 14, 16]\n"
         text += '[[exclude]]\nspecies = "dunlin"\nspeed_m_s = { above = 13 }\n'
         text += '[[exclude]]\nobjective = "power"\nspeed_m_s = 12\n'
-        found = {(job.species, job.objective, job.speed_m_s) for job in jobs(text)}
+        found = {(job.species, job.objective, job.bird.speed_m_s) for job in jobs(text)}
         assert found == {
             (species, objective, speed)
             for species in ("mute-swan", "dunlin")

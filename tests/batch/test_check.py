@@ -214,16 +214,6 @@ class TestFlocks:
             3,
         )
 
-    def test_sweeps_know_the_choices_that_the_solver_knows(self):
-        from upwash.optimum import settings
-        from upwash.sweep.file import FLOCK_CHOICES
-
-        assert FLOCK_CHOICES == {
-            "shape": settings.SHAPES,
-            "wake": settings.WAKES,
-            "reading": settings.READINGS,
-        }
-
 
 class TestTables:
     def refused(self, bench, folder, *words):

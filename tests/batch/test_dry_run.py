@@ -85,6 +85,6 @@ def test_jobs_that_two_blocks_ask_for_are_given_once(tmp_path):
         'species = "northern-bald-ibis"\n' + "".join(f"[[block]]\n[block.grid]\n{one}\n" for one in blocks)
     )
     sweep = read_sweep(path)
-    assert [job.mass_kg for job in sweep.stream()] == [1.2, 1.3, 1.4]
+    assert [job.bird.mass_kg for job in sweep.stream()] == [1.2, 1.3, 1.4]
     assert sweep.jobs == list(sweep.stream()) and sweep.count == 3
     assert sweep.varied == {"mass_kg"}

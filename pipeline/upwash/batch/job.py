@@ -14,16 +14,23 @@ import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 from upwash import columns as of
+from upwash.aero.pose import Pose, Stroke
 from upwash.batch import store
 from upwash.errors import EnvironmentFault, UpwashError, environment_fault
-from upwash.sweep.job import BUILT_IN_SOLVER, INPUTS
+from upwash.sweep.job import BUILT_IN_SOLVER, NoBird
 from upwash.sweep.job import Job as Job
 from upwash.sweep.solver import BrokenContract, kept_to_contract, make_importable, own_columns, own_solver
 
+if TYPE_CHECKING:
+    from upwash.optimum.flock_solution import FlockSolution
+
 Row = dict[str, Any]
+Answer = tuple[str, str, Sequence[Mapping[str, Any]]]
+"""What a solver returns: status, what went wrong or "", and rows of the solution's columns."""
 
 # A worker whose parent is gone has nobody to give its results to; it looks this often.
 PARENT_CHECK_S = 0.5
@@ -225,17 +232,23 @@ def run_batch(
     return [encode(bundle, sweep_text) for bundle in bundles], list(jobs[len(solved) :])
 
 
-def solver_of(job: Job) -> Callable[[Job], tuple[str, str, list[Row]]]:
-    """Return the function that solves a job: Job -> (status, error or "", rows of the solution's columns).
+def solver_of(job: Job) -> Callable[[Job], Answer]:
+    """Return the function that solves a job.
 
     No row means that there is no answer, which `status` and `error` then explain.
     """
     if job.solver == BUILT_IN_SOLVER:
-        return _solve_pair if job.kind == "pair" else _solve_flock
+        return _solve_flock if job.flock else _solve_pair
     try:
-        return own_solver(job.solver)
+        own = own_solver(job.solver)
+        return lambda job: own(by_columns(job))
     except UpwashError as error:
         raise BrokenContract(str(error)) from error
+
+
+def by_columns(job: Job) -> SimpleNamespace:
+    """Return a job as a user's own solver is given it: an attribute for its id and for each input column."""
+    return SimpleNamespace(job_id=job.job_id, **job.inputs())
 
 
 def compiling(job: Job) -> str:
@@ -253,8 +266,20 @@ def compiling(job: Job) -> str:
 
 
 def job_of(row: Mapping[str, Any]) -> Job:
-    """Return the job that a stored row came from, made of its inputs alone."""
-    return Job(**{name: row[name] for name in INPUTS if row.get(name) is not None})
+    """Return the job that a stored row came from, made of its inputs alone.
+
+    Raises
+    ------
+    UpwashError
+        If they are no inputs of a job.
+    """
+    try:
+        return Job.of(row)
+    except (ValueError, KeyError, TypeError) as error:
+        found = " ".join(str(error).split())
+        raise UpwashError(
+            f"job {row.get('job_id')}: expected a job's inputs, found {found}; run it again"
+        ) from error
 
 
 def describe(error: BaseException) -> str:
@@ -264,74 +289,37 @@ def describe(error: BaseException) -> str:
     return f"{type(error).__name__}: {' '.join(str(error).split())}{where}"
 
 
-def _solve_pair(job: Job) -> tuple[str, str, list[Row]]:
+def _solve_pair(job: Job) -> Answer:
     from upwash.optimum.pair import solve_pair
 
-    bird = _bird(job)
-    if isinstance(bird, str):
-        return of.INFEASIBLE, bird, []
-    solution = solve_pair(bird, job.objective, model=_model(job), search=_search(job))
+    if isinstance(job.bird, NoBird):
+        return of.INFEASIBLE, job.bird.why, []
+    solution = solve_pair(job.bird, job.objective, model=job.model, search=job.search)
     if solution.status == of.SOLVED:
         return of.SOLVED, "", solution.rows()
     return solution.status, NO_BALANCE, [solution.of_the_job()]
 
 
-def _solve_flock(job: Job) -> tuple[str, str, list[Row]]:
-    bird = _bird(job)
-    if isinstance(bird, str):
-        return of.INFEASIBLE, bird, []
-    return of.SOLVED, "", flock_of(job, bird).rows()
+def _solve_flock(job: Job) -> Answer:
+    if isinstance(job.bird, NoBird):
+        return of.INFEASIBLE, job.bird.why, []
+    return of.SOLVED, "", flock_of(job).rows()
 
 
-def flock_of(job: Job, bird: Any = None) -> Any:
-    """Return the flock of a job, a `FlockSolution`; `bird` is the job's own if not given."""
+def flock_of(job: Job) -> FlockSolution:
+    """Return the flock of a job that is one, of inputs that make a bird."""
     from upwash.optimum.flock import solve_flock
 
+    if isinstance(job.bird, NoBird) or job.flock is None:
+        raise ValueError(f"expected the job of a flock, found {job}")
     return solve_flock(
-        bird or _bird(job),
-        job.birds or 0,
+        job.bird,
+        job.flock.birds,
         job.objective,
-        rules=_rules(job),
-        model=_model(job),
-        search=_search(job),
+        rules=job.flock.rules,
+        model=job.model,
+        search=job.search,
     )
-
-
-def _bird(job: Job) -> Any:
-    """Return the job's bird, or the line that says why there is no such bird."""
-    from upwash.aero.bird import Bird
-
-    try:
-        return Bird(
-            mass_kg=job.mass_kg,
-            semispan_m=job.semispan_m,
-            speed_m_s=job.speed_m_s,
-            period_s=job.period_s,
-            density_kg_m3=job.density_kg_m3,
-            gravity_m_s2=job.gravity_m_s2,
-            amplitude_m=job.leader_amplitude_m,
-            upstroke_span_ratio=job.leader_upstroke_span_ratio,
-            circulation_ratio=job.circulation_ratio,
-        )
-    except ValueError as error:
-        return str(error)
-
-
-def _model(job: Job) -> Any:
-    from upwash.aero.wake import WakeModel
-
-    return WakeModel(
-        stroke_states=job.stroke_states,
-        span_nodes=job.span_nodes,
-        wavelengths=job.wavelengths or 1,
-        core_radius_ratio=job.core_radius_ratio,
-    )
-
-
-def _search(job: Job) -> Any:
-    from upwash.optimum.settings import SearchSettings
-
-    return SearchSettings(job.seed, job.tolerance)
 
 
 _watching = False
@@ -370,8 +358,7 @@ def recompute(rows: Sequence[Row]) -> list[Row]:
         For each row, column -> value; nothing for a row that has no solution.
     """
     job = job_of(rows[0])
-    bird = _bird(job)
-    return [_expected(bird, job, row, rows) if row["status"] == of.SOLVED else {} for row in rows]
+    return [_expected(job, row, rows) if row["status"] == of.SOLVED else {} for row in rows]
 
 
 def bounds_of(row: Row) -> dict[str, tuple[float, float]]:
@@ -394,20 +381,21 @@ def bounds_of(row: Row) -> dict[str, tuple[float, float]]:
     }
 
 
-def _expected(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> Row:
+def _expected(job: Job, row: Row, rows: Sequence[Row]) -> Row:
     from upwash.optimum.record import record
 
+    if isinstance(job.bird, NoBird):
+        raise ValueError(f"{job.bird.why}: no bird")
     ahead = pose = None
     felt = list(_felt(job, row, rows))
     if felt:
         ahead, pose = felt.pop(0)
-    found = vars(record(bird, job.objective, ahead, pose, _model(job), felt))
+    found = vars(record(job.bird, job.objective, ahead, pose, job.model, felt))
     return {name: value for name, value in found.items() if value is not None}
 
 
-def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[Any, Any]]:
+def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[Stroke, Pose]]:
     """Give the stroke of each bird whose wake a row's bird feels, that which it follows first, and the pose to it."""
-    from upwash.aero.pose import Pose, Stroke
 
     def stroke(one: Row) -> Stroke:
         return Stroke(one["amplitude_m"], one["upstroke_span_ratio"])
@@ -417,16 +405,10 @@ def _felt(job: Job, row: Row, rows: Sequence[Row]) -> Iterator[tuple[Any, Any]]:
 
     if row.get("bird") == 1:
         return
-    bird = "ahead" if job.kind == "flock" else "leader"
+    bird = "ahead" if job.flock else "leader"
     ahead = Stroke(row[f"{bird}_amplitude_m"], row[f"{bird}_upstroke_span_ratio"])
     yield ahead, Pose(row["x_m"], row["y_m"], row["z_m"], stroke(row), row["phase"])
-    if job.kind == "flock":
-        for number in _rules(job).felt_by(row["bird"])[:-1]:
+    if job.flock:
+        for number in job.flock.rules.felt_by(row["bird"])[:-1]:
             other = rows[number - 1]
             yield stroke(other), in_flock(row).relative_to(in_flock(other))
-
-
-def _rules(job: Job) -> Any:
-    from upwash.optimum.settings import FlockRules
-
-    return FlockRules(job.shape or "", job.wake or "", job.reading or "")

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from upwash import columns as of
 from upwash.batch.job import Row, bounds_of, job_of, recompute
 from upwash.batch.verify import alike, evidence_of, links_of, walls, why_infeasible
+from upwash.errors import UpwashError
 from upwash.sweep.job import BUILT_IN_SOLVER
 
 RESIDUAL_LIMIT = 1e-9
@@ -44,7 +45,11 @@ def identity(rows: Sequence[Row]) -> Complaints:
                 yield name, f"expected {first[name]!r} as in the job's first row, found {row[name]!r}"
         if row.get("flock_id", row["job_id"]) != row["job_id"]:
             yield "flock_id", f"expected the job's id, found {row['flock_id']!r}"
-    expected = job_of(first).job_id
+    try:
+        expected = job_of(first).job_id
+    except UpwashError as error:
+        yield "job_id", f"expected the id of a job, found one of none: {error}"
+        return
     if first["job_id"] != expected:
         yield "job_id", f"expected {expected} by its inputs and this model's version, found another"
 

@@ -7,15 +7,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from upwash import columns as of
 from upwash.aero.pose import Pose, Stroke
-from upwash.batch.job import Row, _bird, _model, job_of
-from upwash.sweep.job import Job
+from upwash.batch.job import Row, job_of
+from upwash.sweep.job import Flock, Job, NoBird
+
+if TYPE_CHECKING:
+    from upwash.aero.bird import Bird
+    from upwash.optimum.problem import PairProblem
+    from upwash.optimum.settings import FlockRules
 
 
-def problems_of(rows: Sequence[Row]) -> list[Sequence[Any]]:
+def problems_of(rows: Sequence[Row]) -> list[Sequence[PairProblem]]:
     """Pose the problem of each row again, from what is stored: in one piece of phase or several.
 
     Parameters
@@ -31,37 +36,30 @@ def problems_of(rows: Sequence[Row]) -> list[Sequence[Any]]:
     from upwash.optimum.problem import PairProblem
 
     job = job_of(rows[0])
-    bird = _bird(job)
-    if isinstance(bird, str) or rows[0]["status"] == of.FAILED:
+    bird = job.bird
+    if isinstance(bird, NoBird) or rows[0]["status"] == of.FAILED:
         return [[] for _ in rows]
-    if job.kind == "pair":
-        shared = [PairProblem(bird, job.objective, model=_model(job))]
+    if not job.flock:
+        shared = [PairProblem(bird, job.objective, model=job.model)]
         return [shared for _ in rows]
-    return [_link(bird, job, row, rows) for row in rows]
+    return [_link(bird, job, job.flock.rules, row, rows) for row in rows]
 
 
-def _link(bird: Any, job: Job, row: Row, rows: Sequence[Row]) -> Sequence[Any]:
+def _link(bird: Bird, job: Job, rules: FlockRules, row: Row, rows: Sequence[Row]) -> Sequence[PairProblem]:
     """Pose the problem of a flock's bird, to the right of the one that it follows, as it was solved."""
     from upwash.optimum.flock import link_problems
     from upwash.optimum.flock_wake import Place
 
     if row["bird"] == 1:
         return []
-    rules = _rules(job)
     ahead = []
     for number in rules.felt_by(row["bird"]):
         one = rows[number - 1]
         x, y, z = (one[f"{axis}_flock_m"] for axis in "xyz")
         place = Place(rules.row_of(number), Pose(x, y, z, _stroke(one), one["phase_flock"]))
         ahead.append(place if rules.side_of(row["bird"]) > 0.0 else place.mirrored())
-    limit = bird.amplitude_m if job.reading == "lone" else ahead[-1].pose.stroke.amplitude_m
-    return link_problems(bird, job.objective, tuple(ahead), limit, _model(job))
-
-
-def _rules(job: Job) -> Any:
-    from upwash.optimum.settings import FlockRules
-
-    return FlockRules(job.shape or "", job.wake or "", job.reading or "")
+    limit = bird.amplitude_m if rules.reading == "lone" else ahead[-1].pose.stroke.amplitude_m
+    return link_problems(bird, job.objective, tuple(ahead), limit, job.model)
 
 
 def _stroke(row: Row) -> Stroke:
@@ -111,8 +109,8 @@ def why_infeasible(row: Row) -> str | None:
     from upwash.optimum.flock import why_none
     from upwash.optimum.proof import Proof
 
-    if row.get("bird") is None and isinstance(bird := _bird(job_of(row)), str):
-        return bird
+    if row.get("bird") is None and isinstance(bird := job_of(row).bird, NoBird):
+        return bird.why
     if row["feasible"] is None or row["v_wall"] is None:
         return None
     if row["kind"] == "pair":
@@ -139,7 +137,7 @@ def disproved(rows: Sequence[Row]) -> Iterator[tuple[str, str]]:
                 return
 
 
-def _disproved(row: Row, problems: Sequence[Any]) -> Iterator[tuple[str, str]]:
+def _disproved(row: Row, problems: Sequence[PairProblem]) -> Iterator[tuple[str, str]]:
     from upwash.optimum.verify import best_on_wall, refute_bound
 
     for region, where in (("v", "in the V region"), ("global", "anywhere")):
@@ -181,14 +179,10 @@ ON_WALL = 1e-6
 def links_of(row: Row, rows: Sequence[Row]) -> Row:
     """Return what a flock's shape and the birds ahead make of a bird's number, place and flags, by column."""
     job, number = job_of(rows[0]), row["bird"]
-    rules = _rules(job)
+    rules = (job.flock or Flock(2)).rules
     if number == 1:
         own: Row = {f"{axis}_flock_m": 0.0 for axis in "xyz"} | {"phase_flock": 0.0}
-        stroke = {
-            "amplitude_m": job.leader_amplitude_m,
-            "upstroke_span_ratio": job.leader_upstroke_span_ratio,
-        }
-        return own | stroke
+        return own | {name: rows[0][f"leader_{name}"] for name in ("amplitude_m", "upstroke_span_ratio")}
     ahead = rows[rules.leader_of(number) - 1]
     stroke = {
         "ahead_amplitude_m": ahead["amplitude_m"],

@@ -10,7 +10,7 @@ import click
 
 from upwash.cli.solve import as_json, problem
 from upwash.cli.streams import at_work
-from upwash.sweep.job import FLOCK_CHOICES
+from upwash.optimum.settings import FLOCK_CHOICES
 
 if TYPE_CHECKING:
     import pandas as pd

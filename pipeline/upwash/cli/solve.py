@@ -10,8 +10,8 @@ import click
 
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.cli.streams import at_work
+from upwash.optimum.settings import FLOCK_CHOICES
 from upwash.species import AMPLITUDE_CONVENTIONS
-from upwash.sweep.job import FLOCK_CHOICES
 
 as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
 

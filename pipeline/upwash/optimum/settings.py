@@ -24,6 +24,10 @@ BIRDS = whole_from(2, 1000, "each takes a search of its own, and no line of bird
 """What the number of birds in a flock must be."""
 
 
+FLOCK_CHOICES = {"shape": SHAPES, "wake": WAKES, "reading": READINGS}
+"""What a flock's shape, wake and reading of the amplitude bound may be."""
+
+
 @dataclass(frozen=True)
 class SearchSettings:
     """How long to search, and how closely to prove.

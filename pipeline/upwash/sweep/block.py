@@ -11,9 +11,10 @@ from typing import Any
 from upwash.aero.bird import Bird
 from upwash.aero.wake import WakeModel
 from upwash.errors import UpwashError
+from upwash.optimum.settings import FLOCK_CHOICES, FlockRules, SearchSettings
 from upwash.species import ImpossibleAmplitude, Species
 from upwash.sweep.choices import PARAMETERS
-from upwash.sweep.job import Job
+from upwash.sweep.job import BIRD_COLUMNS, Flock, Job, NoBird, bird_of
 from upwash.sweep.values import Setting, unit_sample
 
 STROKE_ANGLE = "stroke_half_angle_deg"
@@ -21,12 +22,8 @@ PAPER = WakeModel()
 # How long wakes are is told of a flock, in its own table.
 RESOLUTION = ("core_radius_ratio", "stroke_states", "span_nodes")
 
-# Where a job's inputs are named otherwise than in a sweep file: there they describe the bird ahead.
-COLUMN = {
-    "amplitude": "amplitude_convention",
-    "amplitude_m": "leader_amplitude_m",
-    "upstroke_span_ratio": "leader_upstroke_span_ratio",
-}
+# Where a job's inputs are named otherwise than in a sweep file.
+COLUMN = {"amplitude": "amplitude_convention", **BIRD_COLUMNS}
 GIVEN = "given"
 
 Choice = dict[str, Any]
@@ -160,27 +157,32 @@ class Block:
     def _job(self, species: Species, choice: Choice, point: Mapping[str, Setting]) -> Job:
         convention = choice["amplitude"]
         is_given = "amplitude_m" in point and not point["amplitude_m"].relative
-        resolution = {name: getattr(PAPER, name) for name in RESOLUTION}
+        resolution: dict[str, Any] = {name: getattr(PAPER, name) for name in RESOLUTION}
         for name in resolution.keys() & point.keys():
             resolution[name] = point[name].value * (resolution[name] if point[name].relative else 1)
         for name, value in resolution.items():
             if expected := PARAMETERS[name].broken_by(value):
                 found = f"{name}: expected {expected}, found {value:g}"
                 raise UpwashError(f"{species.slug}: {found}; correct it")
-        bird = bird_inputs(species, convention, point)
+        flock = None
+        if self.kind == "flock":
+            rules = FlockRules(**{name: choice[name] for name in FLOCK_CHOICES})
+            flock = Flock(choice["birds"], rules)
+            resolution["wavelengths"] = choice["wavelengths"]
         return Job(
-            kind=self.kind,
             species=species.slug,
-            solver=self.solver,
+            objective=choice["objective"],
             amplitude_convention=GIVEN if is_given else convention,
-            **{name: value for name, value in choice.items() if name != "amplitude"},
-            **{COLUMN.get(name, name): value for name, value in bird.items()},
-            **resolution,
+            bird=_bird(species, convention, point),
+            model=WakeModel(**resolution),
+            search=SearchSettings(choice["seed"], choice["tolerance"]),
+            flock=flock,
+            solver=self.solver,
         )
 
 
-def bird_inputs(species: Species, convention: str, point: Mapping[str, Setting]) -> dict[str, Any]:
-    """Return Bird's fields for a species with some inputs set otherwise.
+def _bird(species: Species, convention: str, point: Mapping[str, Setting]) -> Bird | NoBird:
+    """Return a species' bird with some inputs set otherwise.
 
     An amplitude beyond the wingspan is kept: that the bird cannot fly so is a result, for the job to report.
 
@@ -199,13 +201,12 @@ def bird_inputs(species: Species, convention: str, point: Mapping[str, Setting])
     try:
         if amplitude is not None and amplitude.relative:
             overrides["amplitude_m"] = amplitude.value * _amplitude_m(species, convention, overrides)
-        bird = species.bird(convention, **overrides)
-        return {entry.name: getattr(bird, entry.name) for entry in fields(Bird)}
+        return species.bird(convention, **overrides)
     except ImpossibleAmplitude as error:
         inputs = {**own, **overrides, "amplitude_m": error.amplitude_m}
         # All but the amplitude must make a bird.
         species.bird(convention, **{**overrides, "amplitude_m": error.wingspan_m})
-        return {entry.name: inputs[entry.name] for entry in fields(Bird)}
+        return bird_of({entry.name: inputs[entry.name] for entry in fields(Bird)})
 
 
 def _amplitude_m(species: Species, convention: str, overrides: dict[str, float]) -> float:
@@ -216,11 +217,12 @@ def _amplitude_m(species: Species, convention: str, overrides: dict[str, float])
 
 
 def _meets(job: Job, exclusion: Mapping[str, Condition]) -> bool:
-    return all(condition.holds(_input(job, name)) for name, condition in exclusion.items())
+    inputs = job.inputs()
+    return all(condition.holds(_input(inputs, name)) for name, condition in exclusion.items())
 
 
-def _input(job: Job, name: str) -> Any:
-    """Return a job's input by its name in a sweep file."""
+def _input(inputs: Mapping[str, Any], name: str) -> Any:
+    """Return one of a job's inputs by its name in a sweep file."""
     if name == STROKE_ANGLE:
-        return math.degrees(math.asin(min(1.0, job.leader_amplitude_m / (2.0 * job.semispan_m))))
-    return getattr(job, COLUMN.get(name, name))
+        return math.degrees(math.asin(min(1.0, inputs["leader_amplitude_m"] / (2.0 * inputs["semispan_m"]))))
+    return inputs[COLUMN.get(name, name)]

@@ -15,19 +15,19 @@ from typing import Any
 from upwash.aero.checked import finite, whole_from
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.errors import UpwashError
+from upwash.optimum.settings import FLOCK_CHOICES
 from upwash.shipped import shipped
 from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
 from upwash.species.file import did_you_mean, printable
 from upwash.sweep.block import Axis, Block, Condition, Sample
 from upwash.sweep.choices import CHOICES, PARAMETERS, WHOLE, rule_of
 from upwash.sweep.entry import Entry, read_toml
-from upwash.sweep.job import BUILT_IN_SOLVER, FLOCK_CHOICES, ID_BYTES, Job
+from upwash.sweep.job import BUILT_IN_SOLVER, ID_BYTES, KINDS, Job
 from upwash.sweep.solver import own_solver
 from upwash.sweep.values import MAX_POINTS, SAMPLERS, Setting, is_number, sampling_range, settings
 
 SWEEP_FOLDER = shipped("sweeps")
 
-KINDS = ("pair", "flock")
 DEFAULTS: dict[str, Any] = {"objective": "force", "amplitude": "stroke-angle", "seed": 0, "tolerance": 1e-4}
 FLOCK_DEFAULTS: dict[str, Any] = {
     "birds": 6,
