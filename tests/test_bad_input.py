@@ -1,10 +1,14 @@
 """Bad input as a shell sees it: one line that says what is wrong, exit code 2, and nothing written."""
 
+import pickle
 import subprocess
 import sys
 
 import pytest
+from upwash.errors import UpwashError
+from upwash.species import load_species
 from upwash.species.library import LIBRARY_FOLDER
+from upwash.sweep import read_sweep
 
 COMMAND = [sys.executable, "-c", "from upwash.cli import main; main(prog_name='upwash')"]
 IBIS = (LIBRARY_FOLDER / "northern-bald-ibis.toml").read_text(encoding="utf-8")
@@ -19,6 +23,8 @@ FILES = {
     "sweep.toml": SWEEP,
     "unknown-input.toml": SWEEP + "[grid]\nspeed_of_wind = [1, 2]\n",
     "sweep-syntax.toml": SWEEP + "objective = force\n",
+    "table.csv": "species,mass_kg\nibis,1.3\n",
+    "my-bird.toml": IBIS.replace("1.3", "1.31"),
 }
 
 # Arguments of the command, and what its one line must name.
@@ -35,6 +41,23 @@ MISTAKES = {
         ["unknown-input.toml, line 3", "speed_of_wind"],
     ),
     "a sweep's syntax error": (["run", "./sweep-syntax.toml"], ["sweep-syntax.toml, line 2", "TOML"]),
+    "a species file where a sweep is due": (
+        ["run", "./no-mass.toml"],
+        ["a species file", "upwash optimum no-mass.toml"],
+    ),
+    "a sweep file where a species is due": (
+        ["optimum", "./sweep.toml"],
+        ["a sweep file", "upwash run sweep.toml"],
+    ),
+    "a table where a sweep is due": (["run", "table.csv"], ["./table.csv"]),
+    "a table by its path where a sweep is due": (
+        ["run", "./table.csv"],
+        ["table.csv", "found a file of kind CSV"],
+    ),
+    "a table where a species is due": (["optimum", "./table.csv"], ["table.csv", "found a file of kind CSV"]),
+    "a species' own file without its ending": (["optimum", "my-bird"], ["./my-bird.toml"]),
+    "a sweep's own file without its ending": (["run", "sweep"], ["./sweep.toml"]),
+    "a seed beyond 64 bits": (["optimum", "northern-bald-ibis", "--seed", "9" * 30], ["--seed", "9" * 30]),
     "results under a file": (
         ["run", "./sweep.toml", "--results", "sweep.toml/results"],
         ["sweep.toml/results"],
@@ -74,3 +97,25 @@ def test_is_one_clear_line_and_exit_2(told, mistake):
 
 def test_writes_nothing(told, folder):
     assert {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()} == FILES
+
+
+def test_files_that_begin_with_a_byte_order_mark_are_read(tmp_path):
+    for name, text in (("bird.toml", IBIS), ("sweep.toml", 'species = "bird.toml"\n')):
+        (tmp_path / name).write_text(text, encoding="utf-8-sig")
+    (job,) = read_sweep(tmp_path / "sweep.toml").jobs
+    assert job.bird.mass_kg == load_species("northern-bald-ibis").quantities["mass"].value
+
+
+@pytest.mark.parametrize(
+    ("given", "field"),
+    [
+        ({"speed_m_s": -1.0}, "speed_m_s"),
+        ({"wingspan": 1.0}, "wingspan"),
+        ({"circulation_ratio": 5.0}, "upstroke_span_ratio"),
+    ],
+)
+def test_an_error_names_its_field(given, field):
+    with pytest.raises(UpwashError) as caught:
+        load_species("northern-bald-ibis").bird(**given)
+    assert caught.value.field == field
+    assert pickle.loads(pickle.dumps(caught.value)).field == field

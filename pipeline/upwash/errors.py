@@ -6,7 +6,6 @@ Anything else that is raised is a bug and keeps its traceback.
 from __future__ import annotations
 
 import errno
-from typing import Any
 
 
 class UpwashError(Exception):
@@ -36,10 +35,6 @@ class UpwashError(Exception):
         super().__init__(message)
         self.field = field
         self.cause = cause
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Errors come back from worker processes.
-        return type(self), self.args, {"field": self.field, "cause": self.cause}
 
 
 class EnvironmentFault(UpwashError):

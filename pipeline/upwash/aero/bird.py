@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from upwash.aero.checked import REACH, at_most, check_fields, must_be, not_negative, ratio
+from upwash.aero.checked import REACH, WrongInput, at_most, check_fields, must_be, not_negative, ratio
 from upwash.aero.pose import Stroke
 
 _SOME = must_be(REACH)
@@ -73,15 +73,12 @@ class Bird:
     def __post_init__(self) -> None:
         check_fields(self)
         if self.amplitude_m > 2.0 * self.semispan_m:
-            raise ValueError(
-                f"amplitude_m: expected at most twice the semispan ({2.0 * self.semispan_m:g} m, a half-angle of 90°), "
-                f"found {self.amplitude_m:g}"
-            )
+            expected = f"at most twice the semispan ({2.0 * self.semispan_m:g} m, a half-angle of 90°)"
+            raise WrongInput("amplitude_m", expected, float(f"{self.amplitude_m:g}"))
         if not self.drag_n > 0.0:
-            raise ValueError(
-                "upstroke_span_ratio: expected a lone bird that makes thrust, circulation_ratio · R < π/4 = 0.785, "
-                f"found {self.circulation_ratio * self.upstroke_span_ratio:.3g}"
-            )
+            found = float(f"{self.circulation_ratio * self.upstroke_span_ratio:.3g}")
+            expected = "a lone bird that makes thrust, circulation_ratio · R < π/4 = 0.785"
+            raise WrongInput("upstroke_span_ratio", expected, found)
 
     @property
     def stroke(self) -> Stroke:

@@ -82,6 +82,26 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
     return f"did you mean {near[0]!r}?" if near else f"choose from {', '.join(names)}"
 
 
+OF_SWEEPS = {"block", "exclude", "fixed", "flock", "grid", "kind", "objective", "sample", "species", "zip"}
+"""Keys by which a sweep file is known where a species file was expected."""
+
+NO_TOML = "write one ending in .toml, as the documentation shows"
+
+
+def kind_of(path: Path) -> str:
+    """Say what a file that is no TOML is, by its ending."""
+    ending = path.suffix.lstrip(".")
+    return f"a file of kind {ending.upper()}" if ending else "a file without an ending"
+
+
+def file_here(name: str) -> str:
+    """Return the remedy for a name that is unknown but is, or lacks only the ending of, a file right here."""
+    for path in (Path(name), Path(f"{name}.toml")):
+        if name and "\0" not in name and path.is_file():
+            return f"a file in this folder is given by its path: ./{path}"
+    return ""
+
+
 def read_species_file(path: Path, ibis: Callable[[], Mapping[str, Quantity]]) -> SpeciesFile:
     """Read and check a species file.
 
@@ -131,6 +151,9 @@ class _Reader:
 
     def read(self) -> SpeciesFile:
         content = self.parse()
+        if not set(NAMES) & set(content) and OF_SWEEPS & set(content):
+            remedy = f"'upwash run {self.path}' solves it"
+            raise self.error("file", "a species file", "a sweep file", remedy)
         known = [*NAMES, "note", *QUANTITIES, "formation"]
         self.refuse_unknown(content, known, "top level")
         names: dict[str, str] = {}
@@ -169,7 +192,7 @@ class _Reader:
                 "check the path, or list names by 'upwash species list'",
             )
         try:
-            return tomllib.loads(self.path.read_text(encoding="utf-8"))
+            return tomllib.loads(self.path.read_text(encoding="utf-8-sig"))
         except OSError as error:
             raise self.error(
                 "file", "a file that can be read", str(error.strerror), "check its permissions"
@@ -179,6 +202,8 @@ class _Reader:
                 "file", "text in UTF-8", f"a byte that is not, at {error.start}", "save it as UTF-8"
             ) from error
         except (ValueError, RecursionError) as error:
+            if self.path.suffix.lower() != ".toml":
+                raise self.error("file", "a species file (TOML)", kind_of(self.path), NO_TOML) from error
             found = "tables nested too deeply" if isinstance(error, RecursionError) else f"a mistake: {error}"
             remedy = "correct that line: text needs quotes, and each [table] may appear once"
             raise self.error("TOML syntax", "a valid TOML file", found, remedy) from error

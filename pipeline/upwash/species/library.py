@@ -13,7 +13,7 @@ from pathlib import Path
 
 from upwash.errors import UpwashError
 from upwash.shipped import shipped
-from upwash.species.file import SpeciesFile, printable, read_species_file
+from upwash.species.file import SpeciesFile, file_here, printable, read_species_file
 from upwash.species.groups import outside
 from upwash.species.quantity import Quantity
 from upwash.species.species import Species
@@ -62,6 +62,7 @@ def find_species(name_or_path: str | os.PathLike[str]) -> Path:
     containing = [other for other in paths if slug and slug in other][:3]
     near = containing or get_close_matches(slug, paths, n=3, cutoff=0.5)
     remedy = f"did you mean {', '.join(near)}?" if near else "'upwash species list' names all"
+    remedy = file_here(text) or remedy
     raise UpwashError(
         f"species: expected a name in the library or a path to a TOML file, found {printable(text)}; {remedy}"
     )

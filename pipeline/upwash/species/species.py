@@ -50,7 +50,7 @@ class ImpossibleAmplitude(UpwashError):
     """
 
     def __init__(self, message: str, amplitude_m: float, wingspan_m: float) -> None:
-        super().__init__(message)
+        super().__init__(message, field="amplitude_m")
         self.amplitude_m = amplitude_m
         self.wingspan_m = wingspan_m
 
@@ -166,7 +166,7 @@ class Species:
         try:
             return Bird(**inputs)
         except ValueError as error:
-            raise UpwashError(f"{self.slug}: {error}") from error
+            raise UpwashError(f"{self.slug}: {error}", field=getattr(error, "name", "")) from error
 
     def groups(self, amplitude: str = "stroke-angle") -> dict[str, float]:
         """Return the dimensionless groups, by the names of `upwash.species.groups.GROUPS`.
@@ -190,11 +190,12 @@ class Species:
             if name not in inputs and name not in _OTHER_INPUTS:
                 remedy = did_you_mean(name, [*self.inputs(), *_OTHER_INPUTS])
                 raise UpwashError(
-                    f"{self.slug}: expected an input of a bird, found {printable(name)}; {remedy}"
+                    f"{self.slug}: expected an input of a bird, found {printable(name)}; {remedy}", field=name
                 )
             if expected := INPUT_RULES[name].broken_by(value):
                 found = printable(value)
-                raise UpwashError(f"{self.slug}: {name}: expected {expected}, found {found}; correct it")
+                message = f"{self.slug}: {name}: expected {expected}, found {found}; correct it"
+                raise UpwashError(message, field=name)
             inputs[name] = float(value)
         half_angle = inputs.pop("stroke_half_angle_deg")
         if "stroke_half_angle_deg" in overrides and (
@@ -202,7 +203,8 @@ class Species:
         ):
             raise UpwashError(
                 f"{self.slug}: stroke_half_angle_deg: expected amplitude = 'stroke-angle' and no amplitude_m "
-                "beside it, since it sets the amplitude; leave one of them out"
+                "beside it, since it sets the amplitude; leave one of them out",
+                field="stroke_half_angle_deg",
             )
         wingspan = 2.0 * inputs["semispan_m"]
         if amplitude == "stroke-angle":
@@ -235,11 +237,14 @@ class Species:
             if group.inputs and not group.possible[0] <= value <= group.possible[1]:
                 changed = [one for one in overrides if one in group.inputs] or list(overrides)
                 (sentence,) = outside({name: value}, "possible")
-                raise UpwashError(f"{self.slug}, {', '.join(changed)}: {sentence}")
+                raise UpwashError(f"{self.slug}, {', '.join(changed)}: {sentence}", field=changed[-1])
 
 
 def _check_convention(amplitude: str) -> None:
     """Complain about an unknown amplitude convention."""
     if amplitude not in AMPLITUDE_CONVENTIONS:
         expected = " or ".join(f'"{name}"' for name in AMPLITUDE_CONVENTIONS)
-        raise UpwashError(f"amplitude: expected {expected}, found {printable(amplitude)}; write one of these")
+        raise UpwashError(
+            f"amplitude: expected {expected}, found {printable(amplitude)}; write one of these",
+            field="amplitude",
+        )

@@ -163,7 +163,7 @@ class Block:
         for name, value in resolution.items():
             if expected := PARAMETERS[name].broken_by(value):
                 found = f"{name}: expected {expected}, found {value:g}"
-                raise UpwashError(f"{species.slug}: {found}; correct it")
+                raise UpwashError(f"{species.slug}: {found}; correct it", field=name)
         flock = None
         if self.kind == "flock":
             rules = FlockRules(**{name: choice[name] for name in FLOCK_CHOICES})

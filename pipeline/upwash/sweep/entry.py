@@ -11,7 +11,7 @@ from typing import Any
 
 from upwash.aero.checked import Rule
 from upwash.errors import UpwashError
-from upwash.species.file import did_you_mean, printable
+from upwash.species.file import NO_TOML, did_you_mean, kind_of, printable
 from upwash.sweep.toml_lines import key_lines, line_of
 
 
@@ -44,7 +44,8 @@ class Entry:
         """Build the one line that says what is wrong and where; the message adds what to do."""
         names = [printable(name).strip("'") for name in self.path if isinstance(name, str)]
         key = f" {'.'.join(names)}:" if names else ""
-        return UpwashError(f"{self.file}, line {line_of(self.path, self.lines)}:{key} {message}")
+        where = f"{self.file}, line {line_of(self.path, self.lines)}"
+        return UpwashError(f"{where}:{key} {message}", field=str(self.path[-1]) if self.path else "")
 
     def unexpected(self, expected: str, remedy: str = "correct it") -> UpwashError:
         """Complain that the value is not what was expected."""
@@ -118,7 +119,7 @@ def read_toml(path: Path) -> tuple[str, Entry]:
         found = f"one that cannot ({error.strerror})"
         raise UpwashError(f"{shown}: expected a file that can be read, found {found}; mend that") from error
     try:
-        text = raw.decode().replace("\r\n", "\n")
+        text = raw.decode("utf-8-sig").replace("\r\n", "\n")
         content = tomllib.loads(text)
     except UnicodeDecodeError as error:
         line = raw[: error.start].count(b"\n") + 1
@@ -128,6 +129,8 @@ def read_toml(path: Path) -> tuple[str, Entry]:
         message = "expected TOML, found values nested too deeply; flatten them"
         raise UpwashError(f"{shown}, line 1: {message}") from error
     except ValueError as error:
+        if path.suffix.lower() != ".toml":
+            raise UpwashError(f"{shown}: expected a TOML file, found {kind_of(path)}; {NO_TOML}") from error
         place = re.search(r"at line (\d+)", str(error))
         line = int(place[1]) if place else text.count("\n") + 1
         what = re.sub(r" \(at .*\)$", "", str(error))

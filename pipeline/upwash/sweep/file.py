@@ -18,7 +18,7 @@ from upwash.errors import UpwashError
 from upwash.optimum.settings import FLOCK_CHOICES
 from upwash.shipped import shipped
 from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
-from upwash.species.file import did_you_mean, printable
+from upwash.species.file import NAMES, did_you_mean, file_here, printable
 from upwash.sweep.block import Axis, Block, Condition, Sample
 from upwash.sweep.choices import CHOICES, PARAMETERS, WHOLE, rule_of
 from upwash.sweep.entry import Entry, read_toml
@@ -115,7 +115,8 @@ def find_sweep(name_or_path: str | os.PathLike[str]) -> Path:
     if text in names:
         return SWEEP_FOLDER / f"{text}.toml"
     expected = "expected a name in sweeps/ or the path of a TOML file"
-    raise UpwashError(f"sweep: {expected}, found {printable(text)}; {did_you_mean(text, names)}")
+    remedy = file_here(text) or did_you_mean(text, names)
+    raise UpwashError(f"sweep: {expected}, found {printable(text)}; {remedy}", field="sweep")
 
 
 def read_sweep(
@@ -137,6 +138,10 @@ def read_sweep(
     """
     path = find_sweep(name_or_path)
     text, top = read_toml(path)
+    if isinstance(top.value, dict) and set(NAMES) & set(top.value):
+        shown = printable(str(path))
+        remedy = f"write a sweep with species = {shown} in it, or 'upwash optimum {path}' for this bird alone"
+        raise UpwashError(f"{path}: expected a sweep file, found a species file; {remedy}", field="sweep")
     keys = top.table((*FILE_KEYS, *BLOCK_KEYS))
     name = keys.get("name", top.at(path.stem, "name"))
     if not NAME.fullmatch(name.text()):
@@ -414,7 +419,7 @@ def _checked_jobs(block: Block, table: Entry, keys: dict[str, Entry], places: li
             if exclusion is None:
                 yield job
     except UpwashError as error:
-        named = [place for place in places if f" {place.path[-1]}:" in str(error)]
+        named = [place for place in places if place.path[-1] == error.field]
         where = named[0] if named else keys["sample"] if block.sample else table
         raise where.error(str(error)) from error
     for number, entry in enumerate(_tables(keys.get("exclude"))):
