@@ -27,7 +27,7 @@ EXAMINED = of.Agreement(relative=1e-6, absolute=1e-8)
 BOUND_SLACK = 1e-9
 """How far beyond a bound a variable may lie, over the width between its bounds: rounding."""
 
-NOTHING_FOUND = of.names(of.belonging(of.OPTIMUM))
+NOTHING_FOUND = of.names(of.belonging(of.JOB, of.OPTIMUM))
 ASKED = of.names(column for column in of.COLUMNS if column.verified == of.IDENTITY)
 
 Complaints = Iterator[tuple[str, str]]
@@ -45,6 +45,9 @@ def identity(rows: Sequence[Row]) -> Complaints:
                 yield name, f"expected {first[name]!r} as in the job's first row, found {row[name]!r}"
         if row.get("flock_id", row["job_id"]) != row["job_id"]:
             yield "flock_id", f"expected the job's id, found {row['flock_id']!r}"
+    for name in ASKED:
+        if name in first and first[name] is None:
+            yield name, "expected an input of the job, found none"
     try:
         expected = job_of(first).job_id
     except UpwashError as error:
@@ -259,7 +262,8 @@ def _is_v_formation(row: Row) -> bool:
 
 
 Check = Callable[[Sequence[Row]], Complaints]
-FORM: tuple[Check, ...] = (identity, outcome, numbers, numbered)
+ASKED_FOR: tuple[Check, ...] = (identity,)
+FORM: tuple[Check, ...] = (outcome, numbers, numbered)
 BOUNDS: tuple[Check, ...] = (bounds,)
 CONTENT: tuple[Check, ...] = (residuals, proofs, recomputed, examined)
 WHOLE: dict[str, tuple[Check, ...]] = {"pair": (ranks,), "flock": (chain,)}

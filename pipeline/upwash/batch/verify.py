@@ -150,6 +150,9 @@ def _disproved(row: Row, problems: Sequence[PairProblem]) -> Iterator[tuple[str,
         refuted = refute_bound(problems, bound, best, row["tolerance"], in_v=region == "v")
         if refuted is None:
             continue
+        if refuted.cost == math.inf and gap is None:
+            yield f"{region}_lower_bound", f"expected none, as it is proved that no follower {where} balances"
+            continue
         if refuted.cost == math.inf:
             found = f"found {gap:.3g}, though the proof closes to {row['tolerance']:.3g}"
             yield f"{region}_certified_gap", f"expected a gap that a proof leaves open, {found}"

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from itertools import combinations
 from typing import Any
 
@@ -41,6 +41,10 @@ STARTS = 60
 """Starts where a follower is looked for that is said not to be there, or to be on a wall."""
 
 
+PIECES_KEPT = 32
+"""Pieces of problems whose core edges are kept in memory: the optima of a job have them in common."""
+
+
 @dataclass(frozen=True)
 class Refuted:
     """What speaks against a claim: a follower that costs less, or a proof that does not close again.
@@ -48,7 +52,8 @@ class Refuted:
     Attributes
     ----------
     cost : float or None
-        What it costs, in the unit of the cost; None if none was found, and nothing could be proved either.
+        What it costs, in the unit of the cost; None if none was found, and nothing could be proved either; infinite
+        if more can be proved than is claimed.
     """
 
     cost: float | None
@@ -83,10 +88,15 @@ def examine(problems: Sequence[PairProblem], pose: Pose) -> list[dict[str, Any]]
         point = point_in(problem, pose)
         if point is None:
             continue
-        group, representative = distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
+        group, representative = _edges(problem)
         evidence = gather_evidence(problem, group, representative, point)
         found.append(_as_columns(problem, representative, evidence))
     return found
+
+
+@lru_cache(PIECES_KEPT)
+def _edges(problem: PairProblem) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    return distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
 
 
 def _as_columns(
@@ -159,7 +169,7 @@ def refute_bound(
             proof = certify(problem, region, cost, margin, descend=descend)
             if proof.found is not None and proof.found.cost < cost * (1.0 - CHEAPER):
                 return Refuted(proof.found.cost * unit)
-            if must_close != proof.is_closed and (must_close or best is not None):
+            if must_close != proof.is_closed:
                 return Refuted(None if must_close else math.inf)
     return None
 
