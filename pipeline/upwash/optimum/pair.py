@@ -5,6 +5,8 @@ from __future__ import annotations
 from upwash.aero.bird import Bird
 from upwash.aero.pose import Stroke
 from upwash.aero.wake import WakeModel
+from upwash.optimum.endless.problem import EndlessProblem
+from upwash.optimum.endless.solve import solve_endless_pair
 from upwash.optimum.pieces import solve_pieces
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.settings import SearchSettings
@@ -19,6 +21,7 @@ def solve_pair(
     amplitude_limit_m: float | None = None,
     model: WakeModel | None = None,
     search: SearchSettings | None = None,
+    distance_m: float | None = None,
 ) -> PairSolution:
     """Find where and how a follower should fly behind a leader, with all other optima, and prove the best.
 
@@ -33,9 +36,12 @@ def solve_pair(
     amplitude_limit_m : float, optional
         Largest amplitude of the follower; that of the bird immediately ahead if not given.
     model : WakeModel, optional
-        Resolution of the wake; must have two stroke states.
+        Resolution of the wake: two stroke states and a wake that ends, or an endless wake and the exact span.
     search : SearchSettings, optional
         How long to search, and how closely to prove.
+    distance_m : float, optional
+        How far behind the leader the follower of an endless wake is said to fly, half a wavelength if not given: the
+        phase follows from it, and nothing else.
 
     Returns
     -------
@@ -54,11 +60,25 @@ def solve_pair(
     >>> print(f"{best.x_m:.2f} m behind and {best.y_m:.2f} m aside it saves {best.saving_total:.0%} of its power")
     1.82 m behind and 0.88 m aside it saves 11% of its power
     """
-    model = model or WakeModel()
-    need_two_states(model)
+    model, settings = model or WakeModel(), search or SearchSettings()
     # None stands for the bird's own: the problem puts it in.
+    if model.is_endless:
+        endless = EndlessProblem(
+            bird,
+            objective,
+            ahead,  # type: ignore[arg-type]
+            amplitude_limit_m,  # type: ignore[arg-type]
+            model,
+            distance_m=distance_m,
+        )
+        return solve_endless_pair(endless, settings)
+    need_two_states(model)
+    if distance_m is not None:
+        raise ValueError(
+            f"distance_m: expected none, as behind a wake that ends the distance is found, found {distance_m!r}"
+        )
     problem = PairProblem(bird, objective, ahead, amplitude_limit_m, model)  # type: ignore[arg-type]
-    return solve_pieces([problem], search or SearchSettings())
+    return solve_pieces([problem], settings)
 
 
 def need_two_states(model: WakeModel) -> None:

@@ -1,0 +1,1 @@
+"""Kernels of search and proof: everything here is compiled."""

@@ -1,0 +1,203 @@
+"""Branch and bound behind an endless wake: boxes in (X, y, z_up, z_down, R), examined, cut and split.
+
+X = λΦ is the place in the frozen wake, and the heights of the raised and the lowered tip make the height of each step
+a mix of the two.  Bounds of the Lagrangian, contraction and the choice of what to split are those of a pair behind one
+wavelength, whose sixth variable, the phase, has no range here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from upwash.kernel import kernel
+from upwash.optimum import enclosure
+from upwash.optimum.certify import (
+    CLEARED,
+    MARGIN,
+    OPEN,
+    SEARCH_WIDTH,
+    TINY,
+    WIDTHS,
+    WORTH_REPEATING,
+    _ascend,
+    _contract,
+    _couple,
+    _split_variable,
+    relax,
+)
+from upwash.optimum.compiled.endless_enclosure import (
+    BY_DOWN,
+    BY_RATIO,
+    BY_UP,
+    BY_X,
+    BY_Y,
+    RADIUS,
+    VALUE,
+    enclose_endless_force,
+)
+from upwash.optimum.enclosure import ROUNDING
+from upwash.optimum.problem import LIFT_FIXED, LIFT_RATIO, THRUST_FIXED, THRUST_RATIO, cost_of
+
+_VALUE, _BY_X, _BY_Y, _BY_Z, _BY_RATIO, _RADIUS = (
+    enclosure.VALUE,
+    enclosure.BY_X,
+    enclosure.BY_Y,
+    enclosure.BY_Z,
+    enclosure.BY_RATIO,
+    enclosure.RADIUS,
+)
+
+
+@kernel
+def examine_endless(low, high, nu, wake, constants, limits, threshold, scratch, forms, places):
+    """Try to clear a box; cut off what can be cut off.
+
+    Parameters
+    ----------
+    low, high : (6,) ndarray of float
+        The box, its sixth range being 0 to 0; shrunk in place.
+    nu : (2,) ndarray of float
+        Multipliers to start from; improved in place.
+    wake : EndlessEnclosure
+        The wake.
+    constants : (10,) ndarray of float
+        The problem.
+    limits : (4,) ndarray of float
+        Least and greatest mean height, least and greatest amplitude.
+    threshold : float
+        Cost to be exceeded.
+    scratch : (12, 10) ndarray of float
+        Scratch; on return rows 0 to 2 hold the last relaxation.
+    forms : (2, 2, 2, 6) ndarray of float
+        Scratch.
+    places : (4, n) ndarray of float
+        Scratch.
+
+    Returns
+    -------
+    state : int
+        `CLEARED` or `OPEN`.
+    bound : float
+        Lower bound of the cost of the feasible points of the box as it was given.
+    """
+    relaxation, widths, work = scratch[0:3, 0:8], scratch[3, 0:6], scratch[4:8]
+    force, point, jacobian = scratch[8:10, 0:7], scratch[10, 0:5], np.empty((2, 5))
+    bound = -np.inf
+    while True:
+        if not _couple(low, high, limits):
+            return CLEARED, np.inf
+        # Own lift and thrust alone cost this much: decisive where a follower rests on the least amplitude and span.
+        amplitude = max(low[2] - high[3], limits[2] - MARGIN)
+        own, _, _ = cost_of(
+            constants[LIFT_FIXED] + constants[LIFT_RATIO] * low[4],
+            amplitude * (constants[THRUST_FIXED] + constants[THRUST_RATIO] * high[4]),
+            constants,
+        )
+        bound = max(bound, own * (1.0 - ROUNDING) - MARGIN)
+        if bound > threshold:
+            return CLEARED, bound
+        before = 1.0
+        for i in range(6):
+            widths[i] = 0.5 * (high[i] - low[i]) + ROUNDING * (abs(low[i]) + abs(high[i]))
+            before *= max(widths[i], 1e-12)
+        up, down = 0.5 * (low[2] + high[2]), 0.5 * (low[3] + high[3])
+        point[0] = 0.5 * (low[0] + high[0]) / wake.wake.wavelength
+        point[1], point[2], point[3] = 0.5 * (low[1] + high[1]), 0.5 * (up + down), up - down
+        point[4] = 0.5 * (low[4] + high[4])
+        enclose_endless_force(point, widths, wake, places, jacobian, force)
+        for c in range(2):
+            for end in range(2):
+                for k in range(6):
+                    forms[0, end, c, k] = 0.0
+                    forms[1, end, c, k] = 0.0
+                forms[0, end, c, _VALUE] = force[c, VALUE]
+                forms[0, end, c, _BY_X] = force[c, BY_X]
+                forms[0, end, c, _BY_Y] = force[c, BY_Y]
+                forms[0, end, c, _BY_Z] = force[c, BY_UP]
+                forms[1, end, c, _BY_Z] = force[c, BY_DOWN]
+                forms[0, end, c, _BY_RATIO] = force[c, BY_RATIO]
+                forms[0, end, c, _RADIUS] = force[c, RADIUS]
+        product = relax(low, high, widths, forms, constants, 1.0, relaxation)
+        if not (
+            _contract(low, high, relaxation, product, widths, 0.0, 1.0, 0.0, 0.0)
+            and _contract(low, high, relaxation, product, widths, 0.0, -1.0, 0.0, 0.0)
+            and _contract(low, high, relaxation, product, widths, 0.0, 0.0, 1.0, 0.0)
+            and _contract(low, high, relaxation, product, widths, 0.0, 0.0, -1.0, 0.0)
+        ):
+            return CLEARED, np.inf
+        bound = max(bound, _ascend(relaxation, product, widths, nu, threshold, work))
+        if bound > threshold:
+            return CLEARED, bound
+        if not _contract(low, high, relaxation, product, widths, 1.0, nu[0], nu[1], threshold):
+            return CLEARED, bound
+        after = 1.0
+        for i in range(6):
+            after *= max(0.5 * (high[i] - low[i]), 1e-12)
+        if after > WORTH_REPEATING * before:
+            return OPEN, bound
+
+
+@kernel
+def clear_endless_boxes(
+    lows, highs, multipliers, floors, height, limits, threshold, budget, wake, constants, centre
+):
+    """Examine boxes from the top of a stack, and split those that stay open, until it is empty or the budget spent.
+
+    Parameters
+    ----------
+    lows, highs, multipliers, floors, height, limits, threshold, budget, centre
+        As for `upwash.optimum.certify.clear_boxes`.
+    wake : EndlessEnclosure
+        The wake.
+    constants : (10,) ndarray of float
+        The problem.
+
+    Returns
+    -------
+    height : int
+        Boxes left on the stack.
+    boxes : int
+        Boxes examined.
+    left_open : float
+        Least cost in the boxes that were given up, being too small to split; infinite if none was.
+    """
+    scratch, forms = np.empty((12, 10)), np.empty((2, 2, 2, 6))
+    places = np.empty((4, wake.wake.steps.shape[1]))
+    low, high, nu = np.empty(6), np.empty(6), np.empty(2)
+    boxes, left_open = 0, np.inf
+    centre[:] = np.nan
+    while height > 0 and boxes < budget:
+        height -= 1
+        boxes += 1
+        for i in range(6):
+            low[i], high[i] = lows[height, i], highs[height, i]
+        nu[0], nu[1] = multipliers[height, 0], multipliers[height, 1]
+        state, bound = examine_endless(
+            low, high, nu, wake, constants, limits, threshold, scratch, forms, places
+        )
+        if state == CLEARED:
+            continue
+        bound = max(bound, floors[height])
+        widest = 0.0
+        for i in range(5):
+            widest = max(widest, 0.5 * (high[i] - low[i]) / WIDTHS[i])
+        if widest < SEARCH_WIDTH:
+            for i in range(6):
+                centre[i] = 0.5 * (low[i] + high[i])
+            up, down = centre[2], centre[3]
+            centre[2], centre[3] = 0.5 * (up + down), up - down
+        if widest < TINY or height + 2 > lows.shape[0]:
+            left_open = min(left_open, bound)
+            continue
+        chosen = _split_variable(low, high, nu, scratch[0:3, 0:8])
+        middle = 0.5 * (low[chosen] + high[chosen])
+        for child in range(2):
+            for i in range(6):
+                lows[height, i], highs[height, i] = low[i], high[i]
+            if child == 0:
+                highs[height, chosen] = middle
+            else:
+                lows[height, chosen] = middle
+            multipliers[height, 0], multipliers[height, 1], floors[height] = nu[0], nu[1], bound
+            height += 1
+    return height, boxes, left_open

@@ -1,0 +1,254 @@
+"""Bounds of an endless wake's force over a box: its value and slopes at the centre, and how far it may leave them.
+
+The force is a weighted sum over the follower's steps of an antiderivative G at the wing's two ends, with one derivative
+that is Lipschitz everywhere but at the core edges of the spanwise filaments.  So over a box
+
+    |G(c + δ) − G(c) − ∇G(c)·δ| ≤ ½ M |δ|²,     and also ≤ 2 L |δ|,
+
+with M the greatest second derivative and L the greatest slope of G in the box.  Both are sums over the filaments, each
+bounded by its least distance from the box, and the lesser of the two is taken filament by filament:
+
+- A tip filament contributes the potential of a line of charge.  Across it, at a distance ρ, its second derivatives are
+  at most 1.0887 |p/u|/ρ² for each end (p along the filament, u the distance to the end), inside the core 1/r_c²; along
+  it at most 1/u², inside the core and near the end 2/r_c²; and seen from outside its length l, at a distance u, all of
+  it at most 2 l/u³.
+- The spanwise filaments of two runs that meet at a station cancel but for the strips where one of them is wider.  They
+  contribute k N, with k = ζ̄/max(|ζ|², r_c²) the plane vortex about the station and N a difference of distances to the
+  corners; |k| ≤ m^−½, |k′| ≤ 1/m, |k″| ≤ 2 m^−3/2 with m = max(|ζ|², r_c²), and N, N′, N″ are bounded by the strips'
+  width and by the corners' least distance.  Where the box crosses the core's edge the slope of k jumps by 2/r_c².
+- What is beyond the window lies so far away that one bound serves every box.
+
+The force's value, slopes, images and tails are those of the force itself, from the same kernel.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from upwash.aero.compiled.endless import (
+    HEIGHT,
+    SPAN_FLEXED,
+    WEIGHT,
+    EndlessWake,
+    endless_force_jacobian,
+)
+from upwash.aero.compiled.exact_span import (
+    ALONG_X,
+    ALONG_Z,
+    FIRST_X,
+    FIRST_Z,
+    HALF_WIDTH,
+    LAST_X,
+    STRENGTH,
+)
+from upwash.aero.induction import FAST
+from upwash.kernel import kernel
+
+
+class EndlessEnclosure(NamedTuple):
+    """What the bounds of an endless wake's force take from it, beside the wake.
+
+    Attributes
+    ----------
+    wake : EndlessWake
+        The wake, its weights not negative.
+    stations : (2, 8, n) ndarray of float
+        Stations of the window of the follower's downstroke and of its upstroke.
+    tail_curvature : float
+        Half of the greatest second derivative of the force of what is beyond the windows.
+    rounding : float
+        What rounding may add to the force.
+    """
+
+    wake: EndlessWake
+    stations: NDArray[np.float64]
+    tail_curvature: float
+    rounding: float
+
+
+ACROSS = 1.0887
+"""Greatest second derivative across a line of charge, for one of its ends, times the squared distance: t (2 − t²)."""
+
+COSINE_CURVATURE = 2.0 / math.sqrt(3.0)
+"""Greatest second derivative of a cosine, times the squared distance."""
+
+# Rows of an array of stations; each column is one, where two runs meet or the window ends.
+STATION_X, STATION_Z = 0, 1
+WIDE, NARROW = 2, 3  # half-widths of the wider run and of the other, 0 where there is none
+STRONG, WEAK = 4, 5  # their circulations
+SIZE = 6  # width of the strips that do not cancel, times their circulation
+INNER = 7  # distance of the strips from the middle
+
+# What an enclosure holds of lift and of thrust.
+VALUE, BY_X, BY_Y, BY_UP, BY_DOWN, BY_RATIO, RADIUS = range(7)
+
+
+@kernel(fastmath=FAST, inline="always")
+def _filament_radius(y, we, d_low, gap, to_first, to_last, length, wp, across, core2, soft):
+    """Bound what one tip filament of unit circulation adds to the remainder."""
+    y_low = abs(y) - we
+    y_low = y_low if y_low > 0.0 else 0.0
+    r_low = y_low * y_low + d_low * d_low + soft
+    is_out = r_low > core2
+    m = r_low if is_out else core2
+    first, last = to_first * to_first + r_low, to_last * to_last + r_low
+    first, last = (first if first > core2 else core2), (last if last > core2 else core2)
+    beyond = gap * gap + r_low
+    beyond = beyond if beyond > core2 else core2
+    along, inside = (1.0 if is_out else 2.0), (0.0 if is_out else 6.0)
+    per_u2 = 1.0 / first + 1.0 / last
+    near = 2.0 * ACROSS * across * across / m + per_u2 * wp * (2.0 * across + along * wp)
+    far = (2.0 * length / math.sqrt(beyond) + inside) / beyond * (wp * wp + across * across)
+    bent = 0.5 * (near if near < far else far)
+    steep = 4.0 * across / math.sqrt(m) + 2.0 * along * wp * math.sqrt(2.0 * per_u2)
+    return bent if bent < steep else steep
+
+
+@kernel(fastmath=FAST)
+def tip_radius(x, z, e, wx, wz, we, runs, core2, soft):
+    """Bound what the tip filaments of all runs add to the remainder at one end of the wing.
+
+    Parameters
+    ----------
+    x, z, e : float
+        Centre of the box: station and height of the wing, and y of its end.
+    wx, wz, we : float
+        Half-widths of the box.
+    runs : (9, n) ndarray of float
+        See `upwash.aero.compiled.exact_span`.
+    core2, soft : float
+        `Core.least` and `Core.softening`.
+
+    Returns
+    -------
+    tuple of 2 float
+        For v_x and for v_z.
+    """
+    by_x = by_z = 0.0
+    for i in range(runs.shape[1]):
+        ax, az, w = runs[ALONG_X, i], abs(runs[ALONG_Z, i]), runs[HALF_WIDTH, i]
+        x0, z0 = x - runs[FIRST_X, i], z - runs[FIRST_Z, i]
+        length = (runs[LAST_X, i] - runs[FIRST_X, i]) / ax
+        d, p0 = runs[ALONG_Z, i] * x0 - ax * z0, ax * x0 + runs[ALONG_Z, i] * z0
+        p1 = p0 - length
+        wd, wp = az * wx + ax * wz, ax * wx + az * wz
+        d_low, gap = abs(d) - wd, (p1 if p1 > -p0 else -p0) - wp
+        d_low, gap = (d_low if d_low > 0.0 else 0.0), (gap if gap > 0.0 else 0.0)
+        to_first, to_last = abs(p0) - wp, abs(p1) - wp
+        to_first, to_last = (to_first if to_first > 0.0 else 0.0), (to_last if to_last > 0.0 else 0.0)
+        across = math.sqrt(wd * wd + we * we)
+        left = _filament_radius(e + w, we, d_low, gap, to_first, to_last, length, wp, across, core2, soft)
+        right = _filament_radius(e - w, we, d_low, gap, to_first, to_last, length, wp, across, core2, soft)
+        both = runs[STRENGTH, i] * (left + right)
+        by_x += az * both
+        by_z += ax * both
+    return by_x, by_z
+
+
+@kernel(fastmath=FAST)
+def station_radius(x, z, e, wx, wz, we, stations, core2, soft):
+    """Bound what the spanwise filaments at all stations add to the remainder at one end of the wing.
+
+    Parameters
+    ----------
+    x, z, e, wx, wz, we, core2, soft
+        As for `tip_radius`.
+    stations : (8, n) ndarray of float
+        Rows as named above.
+
+    Returns
+    -------
+    float
+        For v_x and for v_z alike.
+    """
+    total = 0.0
+    aside2 = wx * wx + wz * wz
+    whole2 = aside2 + we * we
+    aside, whole = math.sqrt(aside2), math.sqrt(whole2)
+    edge, bend = math.sqrt(core2), (3.0 if soft > 0.0 else 2.0)
+    y = abs(e)
+    for i in range(stations.shape[1]):
+        x0, z0 = abs(x - stations[STATION_X, i]), abs(z - stations[STATION_Z, i])
+        x_low, z_low = x0 - wx, z0 - wz
+        x_low, z_low = (x_low if x_low > 0.0 else 0.0), (z_low if z_low > 0.0 else 0.0)
+        q_low = x_low * x_low + z_low * z_low + soft
+        q_high = (x0 + wx) * (x0 + wx) + (z0 + wz) * (z0 + wz)
+        m = q_low if q_low > core2 else core2
+        wide, narrow, inner = stations[WIDE, i], stations[NARROW, i], stations[INNER, i]
+        strong, weak, size = stations[STRONG, i], stations[WEAK, i], stations[SIZE, i]
+        # Least distances from the corners and from the strips between them.
+        y_wide, y_narrow = abs(y - wide) - we, abs(y - narrow) - we
+        y_wide, y_narrow = (y_wide if y_wide > 0.0 else 0.0), (y_narrow if y_narrow > 0.0 else 0.0)
+        y_strip = (y - wide if y - wide > inner - y else inner - y) - we
+        y_strip = y_strip if y_strip > 0.0 else 0.0
+        n2 = q_low + y_strip * y_strip
+        slope, by_strip = 2.0 * (strong + weak), size / math.sqrt(n2)
+        slope = by_strip if by_strip < slope else slope
+        curve = 2.0 * strong / math.sqrt(q_low + y_wide * y_wide)
+        curve += 2.0 * weak / math.sqrt(q_low + y_narrow * y_narrow)
+        by_strip = COSINE_CURVATURE * size / n2
+        curve = by_strip if by_strip < curve else curve
+        per_m = 1.0 / m
+        root = math.sqrt(per_m)
+        bent = 0.0 if q_high < core2 else bend * root * size * aside2
+        bent = 0.5 * (per_m * (bent + 2.0 * slope * aside * whole) + root * curve * whole2)
+        # Where the box crosses the core's edge the slope jumps there.
+        beyond = aside - abs(math.sqrt(x0 * x0 + z0 * z0) - edge)
+        crosses = q_low < core2 and q_high > core2 and beyond > 0.0
+        bent += 2.0 * per_m * size * beyond if crosses else 0.0
+        steep = 2.0 * (per_m * size * aside + root * slope * whole)
+        # Where a corner may lie in the box the curve is infinite, or infinity times nought; the other bound holds.
+        total += bent if bent < steep else steep
+    return total
+
+
+@kernel(fastmath=FAST)
+def enclose_endless_force(point, widths, enclosure, places, jacobian, forms):
+    """Enclose the force of an endless wake over a box.
+
+    Parameters
+    ----------
+    point : (5,) ndarray of float
+        Centre of the box, in spatial phase, y, z, amplitude and upstroke span ratio.
+    widths : (5,) ndarray of float
+        Half-widths of the box in X = λΦ, y, the heights of the raised and of the lowered tip, and the span ratio.
+    enclosure : EndlessEnclosure
+        The wake.
+    places, jacobian : ndarray of float
+        Scratch, see `upwash.aero.compiled.endless.endless_force_jacobian`.
+    forms : (2, 7) ndarray of float
+        Overwritten, for lift and for thrust: value, slopes by the five variables of the box, radius.
+    """
+    wake = enclosure.wake
+    steps, count, downs = wake.steps, wake.steps.shape[1], wake.downstroke_steps
+    core2, soft = wake.core.least, wake.core.softening
+    lift, thrust = endless_force_jacobian(point, wake, places, jacobian)
+    wx, wy, w_up, w_down, w_ratio = widths[0], widths[1], widths[2], widths[3], widths[4]
+    lift_radius = thrust_radius = 0.0
+    for window in range(2):
+        begin, end = (0, downs) if window == 0 else (downs, count)
+        runs, stations = wake.runs[window], enclosure.stations[window]
+        for k in range(begin, end):
+            raised, weight = 0.5 + steps[HEIGHT, k], steps[WEIGHT, k]
+            wz, we = raised * w_up + (1.0 - raised) * w_down, wy + steps[SPAN_FLEXED, k] * w_ratio
+            x, z = places[0, k], places[1, k]
+            for end_of_wing in range(2):
+                e = places[2 + end_of_wing, k]
+                tip_x, tip_z = tip_radius(x, z, e, wx, wz, we, runs, core2, soft)
+                spanwise = station_radius(x, z, e, wx, wz, we, stations, core2, soft)
+                lift_radius += weight * (tip_x + spanwise)
+                thrust_radius += weight * (tip_z + spanwise)
+    w_z = w_up if w_up > w_down else w_down
+    tail = enclosure.tail_curvature * (wx * wx + w_z * w_z + (wy + w_ratio) * (wy + w_ratio))
+    for c in range(2):
+        form = forms[c]
+        form[VALUE] = lift if c == 0 else thrust
+        form[BY_X], form[BY_Y] = jacobian[c, 0] / wake.wavelength, jacobian[c, 1]
+        form[BY_UP] = 0.5 * jacobian[c, 2] + jacobian[c, 3]
+        form[BY_DOWN] = 0.5 * jacobian[c, 2] - jacobian[c, 3]
+        form[BY_RATIO] = jacobian[c, 4]
+        form[RADIUS] = (lift_radius if c == 0 else thrust_radius) + tail + enclosure.rounding

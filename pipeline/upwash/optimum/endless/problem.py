@@ -1,0 +1,123 @@
+"""The follower's problem behind an endless wake, in scaled variables.
+
+The variables are (X, y, z, h, R): X = λΦ is the place in the frozen wake, with Φ = x/λ − κ the spatial phase, and takes
+the place of the distance x and of the phase κ, which the force feels through it alone.  A sixth, without meaning and
+without a range, keeps the arrays as wide as those of a pair behind a wake that ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from upwash.aero.compiled.endless import LEAST_PHASE, MOST_PHASE, EndlessWake
+from upwash.aero.endless import compiled_endless_wake, endless_window
+from upwash.aero.pose import Pose, Stroke
+from upwash.aero.wingbeat import wingbeat_steps
+from upwash.optimum.compiled.endless_enclosure import EndlessEnclosure
+from upwash.optimum.endless.bounds import edge_stations, endless_enclosure
+from upwash.optimum.problem import ASTERN, PairProblem
+
+DISTANCE = 0.5
+"""How far behind the leader the follower is said to fly if nothing else is asked for, in wavelengths."""
+
+
+@dataclass(frozen=True)
+class EndlessProblem(PairProblem):
+    """One follower behind one leader whose wake is endless.
+
+    Parameters
+    ----------
+    bird, objective, ahead, amplitude_limit_m, model, piece
+        As for `PairProblem`; the model's wake is endless and its span exact, and there is one piece.
+    distance_m : float, optional
+        How far behind the leader the follower is said to fly, which changes nothing but the phase that goes with it:
+        half a wavelength if not given.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of range, or the model's span is told in points.
+    """
+
+    distance_m: float | None = None
+
+    wake_felt: EndlessWake = field(init=False, repr=False, compare=False)
+    enclosure: EndlessEnclosure = field(init=False, repr=False, compare=False)
+    stations: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if not (self.model.is_endless and self.model.span_nodes == "exact"):
+            raise ValueError(
+                "span_nodes: expected exact, as optima behind an endless wake are searched and proved, "
+                f"found {self.model.span_nodes!r}"
+            )
+        if self.distance_m is None:
+            object.__setattr__(self, "distance_m", DISTANCE * self.bird.wavelength_m)
+        super().__post_init__()
+        object.__setattr__(self, "wake_felt", self._wake_felt())
+        object.__setattr__(self, "enclosure", endless_enclosure(self.wake_felt))
+        object.__setattr__(self, "stations", edge_stations(self.wake_felt))
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether (Φ, z) and (−Φ, −z) are alike: the follower is as long on its way up as down, and held as evenly."""
+        return self.model.span_law == "stroke" and self.model.stroke_rule == "gauss"
+
+    def spatial_phase(self, point: NDArray[np.float64]) -> float:
+        """Spatial phase Φ of a point, in (−½, ½]."""
+        phase = float(point[0]) / self.wavelength
+        return phase - float(np.ceil(phase - 0.5))
+
+    def pose(self, point: NDArray[np.float64]) -> Pose:
+        """Pose, in SI units and relative to the bird ahead, of a point, at the distance asked for."""
+        _, y, z, amplitude, ratio, _ = (float(value) for value in point)
+        assert self.distance_m is not None
+        b = self.bird.semispan_m
+        phase = (self.distance_m / self.bird.wavelength_m - self.spatial_phase(point)) % 1.0
+        return Pose(self.distance_m, y * b, z * b, Stroke(amplitude * b, ratio), phase)
+
+    def wrapped(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return a point whose X lies in the bounds, as it may be moved by whole wavelengths."""
+        found = point.copy()
+        found[0] -= self.wavelength * np.floor(point[0] / self.wavelength - LEAST_PHASE)
+        return found
+
+    def proof_bounds(self, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the part of some bounds that stands for all of them by symmetry."""
+        found = bounds.copy()
+        if self.is_symmetric and bounds[2, 0] == -bounds[2, 1]:
+            found[0] = 0.0, 0.5 * self.wavelength
+        return found
+
+    def v_bounds(self) -> NDArray[np.float64]:
+        """Bounds of the part that is outboard and level; empty if the distance asked for is not astern."""
+        found = super().v_bounds()
+        assert self.distance_m is not None
+        astern = self.distance_m >= ASTERN * self.bird.semispan_m
+        found[0] = self.bounds[0] if astern else (1.0, -1.0)
+        return found
+
+    def _lanes(self) -> NDArray[np.float64]:
+        return np.empty((14, 0))
+
+    def _bounds(self) -> NDArray[np.float64]:
+        found = super()._bounds()
+        found[0] = LEAST_PHASE * self.wavelength, MOST_PHASE * self.wavelength
+        found[5] = 0.0
+        return found
+
+    def _wake_felt(self) -> EndlessWake:
+        bird, steps = self.bird, wingbeat_steps(self.model)
+        shed = self.leader_height, self.ahead.span_ratio, 1.0, self.wavelength, 1.0, bird.circulation_ratio
+        unit = bird.density_kg_m3 * bird.circulation_m2_s**2 / bird.weight_n
+        return compiled_endless_wake(
+            (endless_window(True, *shed), endless_window(False, *shed)),
+            steps,
+            unit * steps.circulation(bird.circulation_ratio),
+            self.wavelength,
+            self.model.core_radius_ratio,
+            self.model.core,
+        )
