@@ -310,7 +310,9 @@ COLUMNS = (
         head="bounds",
     ),
     _lies_on(
-        "core_edges", description="vortex core edges that the optimum lies on, comma separated", head="edges"
+        "core_edges",
+        description="vortex core edges that the optimum lies on: point/state/filament/ring/shed, comma separated",
+        head="edges",
     ),
     _evidence(
         "stationarity", description="size of the gradient that is left, scaled", least=0.0, format=".0e"

@@ -5,8 +5,9 @@ import pytest
 from upwash.aero.lanes import HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
 from upwash.aero.pose import Stroke
 from upwash.aero.wake import WakeModel
+from upwash.optimum.core_edge import CoreEdge, edges_in, other_side
 from upwash.optimum.edges import FILAMENTS, distinct_edges, edge_distance, edge_pull
-from upwash.optimum.evidence import describe_edge
+from upwash.optimum.evidence import name_edge
 from upwash.optimum.problem import CORE2, PairProblem, evaluate
 
 # Corner of a ring at which each of FILAMENTS begins; it ends at the next.
@@ -89,9 +90,23 @@ def test_edges_that_are_told_apart_are_apart_somewhere(problem, edges):
 def test_in_the_paper_s_model_no_two_edges_have_one_name(ibis):
     problem = PairProblem(ibis)
     _, representative = distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
-    names = [describe_edge(problem, *one) for one in representative]
+    names = [name_edge(problem, *one) for one in representative]
     assert len(set(names)) == len(names)
-    assert "left wingtip down on right tip of upstroke ring (leader up)" in names
+    assert CoreEdge("left", "down", "right tip", "upstroke", "up") in names
+    text = ", ".join(map(str, names))
+    assert edges_in(text) == tuple(names)
+    assert edges_in("") == ()
+
+
+def test_edges_on_the_other_side_are_those_of_the_mirrored_follower(ibis):
+    for nodes in (2, 5):
+        problem = PairProblem(ibis, model=WakeModel(span_nodes=nodes))
+        _, representative = distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
+        names = {name_edge(problem, *one) for one in representative}
+        # To each edge there is one with left and right exchanged.
+        assert {name.mirrored() for name in names} == names
+        text = ", ".join(map(str, names))
+        assert other_side(text) != text and other_side(other_side(text)) == text
 
 
 def test_both_wingtips_share_the_edge_of_a_spanwise_filament_and_no_other(problem, edges):

@@ -170,8 +170,8 @@ class TestShapes:
     def test_the_mirror_image_of_a_bird_rides_the_mirrored_vortices(self, flocks):
         right = flocks["force", "immediate"].members[1].optimum
         left = on_side(right, -1.0)
-        assert "left wingtip down on right tip of upstroke ring" in right.core_edges
-        assert "right wingtip down on left tip of upstroke ring" in left.core_edges
+        assert "left/down/right tip/upstroke" in right.core_edges
+        assert "right/down/left tip/upstroke" in left.core_edges
         assert on_side(left, -1.0) == right
 
     def test_an_alternating_flock_takes_the_same_steps_to_either_side(self, flocks, ibis):

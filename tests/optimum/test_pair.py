@@ -86,10 +86,7 @@ class TestEveryOptimum:
     def test_of_force_in_a_v_rides_two_vortices_at_antiphase(self, ibis_force):
         best = ibis_force.v_optimum
         assert best.active_bounds == "mu_lower"
-        assert best.core_edges == (
-            "wingtips down on stopping of upstroke ring (leader up), "
-            "left wingtip down on right tip of upstroke ring (leader up)"
-        )
+        assert best.core_edges == ("both/down/stopping/upstroke/up, left/down/right tip/upstroke/up")
 
     def test_is_counted_ranked_and_told_from_the_others(self, ibis_solution):
         optima = ibis_solution.optima

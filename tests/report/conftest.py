@@ -34,7 +34,7 @@ IBIS = {
     "hits": 3,
     "starts": 60,
     "active_bounds": "mu_lower",
-    "core_edges": "left wingtip down on right tip, wingtips down on stopping",
+    "core_edges": "left/down/right tip/upstroke/up, both/down/stopping/upstroke/up",
     "stationarity": 1e-13,
     "v_region_certified_gap": 1e-4,
     "v_certified_gap": 1e-4,

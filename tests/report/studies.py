@@ -86,7 +86,7 @@ def row_of(species, objective, inputs, place, rank, kind="pair", ahead=None):
         "is_v_optimum": rank == 1,
         "is_global_optimum": rank == 0,
         "active_bounds": "mu_lower",
-        "core_edges": "left wingtip down on right tip",
+        "core_edges": "left/down/right tip/upstroke/up",
         "stationarity": 1e-13,
         "solve_time_s": 0.5,
         "v_region_certified_gap": 1e-4,

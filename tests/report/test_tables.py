@@ -194,14 +194,18 @@ class TestBasins:
         assert list(table.frame["cost N"]) == [12.0, 12.06]
 
     def test_core_edges_are_letters_with_a_legend(self, two_optima):
-        rows = two_optima.assign(core_edges=["", "b on d, a on c"])
-        table = basins(rows)
-        assert list(table.frame["edges"]) == ["-", "b a"]
-        assert table.notes[-2:] == ("a: a on c", "b: b on d")
+        edges = "both/up/starting/downstroke/down/2, left/down/right tip/upstroke/up, +0.333/+0.25/left tip/upstroke/7"
+        table = basins(two_optima.assign(core_edges=["", edges]))
+        assert list(table.frame["edges"]) == ["-", "c a b"]
+        assert table.notes[-3:] == (
+            "a: left wingtip down on right tip of upstroke ring (leader up)",
+            "b: span node +0.333 at +0.25 h on left tip of upstroke ring (leader 7)",
+            "c: wingtips up on starting of downstroke ring (bird of row 2 down)",
+        )
 
     def test_many_edges_do_not_run_out_of_letters(self, two_optima):
-        edges = ",".join(f"edge {number:02}" for number in range(30))
-        rows = two_optima.assign(core_edges=[edges, "edge 29"])
+        many = [f"left/down/right tip/upstroke/{number:02}" for number in range(30)]
+        rows = two_optima.assign(core_edges=[", ".join(many), many[29]])
         assert basins(rows).frame["edges"][1] == "ad"
 
 

@@ -74,7 +74,7 @@ def _pose(row: Row) -> Pose:
 
 def evidence_of(rows: Sequence[Row]) -> list[Row]:
     """Return the evidence that each row must state, by column; nothing for a row that has no optimum."""
-    from upwash.optimum.flock_solution import other_side
+    from upwash.optimum.core_edge import other_side
     from upwash.optimum.verify import examine
 
     found: list[Row] = []

@@ -16,12 +16,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from upwash.aero.lanes import HEIGHT, NODE
+from upwash.optimum.core_edge import BOTH, CoreEdge
 from upwash.optimum.edges import FILAMENTS, edge_distance, edge_pull
 from upwash.optimum.local import SCALE, lagrangian_hessian
 from upwash.optimum.problem import CORE2, VARIABLES, PairProblem, evaluate
@@ -192,27 +194,23 @@ def _piecewise(
     return found, worst
 
 
-def describe_edge(problem: PairProblem, lane: int, filament: int) -> str:
-    """Name a core edge: which wingtip of the follower rides which filament of the leader's wake.
+def evidence_columns(
+    problem: PairProblem, representative: NDArray[np.int64], evidence: Evidence
+) -> dict[str, Any]:
+    """Return the evidence by the columns of the results; parameters as for `gather_evidence`."""
+    edges = (name_edge(problem, *representative[edge]) for edge in evidence.core_edges)
+    return vars(evidence) | {
+        "active_bounds": ",".join(evidence.active_bounds),
+        "core_edges": ", ".join(map(str, edges)),
+    }
 
-    Parameters
-    ----------
-    problem : PairProblem
-        The problem.
-    lane, filament : int
-        A lane and a filament of the edge.
 
-    Returns
-    -------
-    str
-        For instance ``left wingtip down on left tip of downstroke ring (leader up)``.
-    """
+def name_edge(problem: PairProblem, lane: int, filament: int) -> CoreEdge:
+    """Name a core edge by a lane and a filament of it."""
     height, node = problem.lanes[HEIGHT, lane], problem.lanes[NODE, lane]
-    # Both wingtips are as far from a spanwise filament.
-    tip = "wingtips" if filament < 2 else ("left wingtip" if node < 0 else "right wingtip")
+    point = BOTH if filament < 2 else ("left" if node < 0 else "right")
     if filament >= 2 and abs(node) < 1.0:
-        tip = f"span node {node:+.3g}"
-    states = {0.5: "up", -0.5: "down"}
-    follower = states.get(float(height), f"at {height:+.3g} h")
+        point = f"{node:+.3g}"
+    state = {0.5: "up", -0.5: "down"}.get(float(height), f"{height:+.3g}")
     ring = lane % len(problem.wake().circulation)
-    return f"{tip} {follower} on {FILAMENTS[filament]} of {problem.ring_name(ring)}"
+    return CoreEdge(point, state, FILAMENTS[filament], *problem.ring_parts(ring))

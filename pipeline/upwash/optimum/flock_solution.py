@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from upwash.aero.bird import Bird
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import WakeModel
+from upwash.optimum.core_edge import other_side
 from upwash.optimum.flock_wake import Place
 from upwash.optimum.proof import Proof
 from upwash.optimum.record import Cell, record
@@ -122,8 +122,3 @@ def on_side(optimum: Optimum, side: float) -> Optimum:
         return optimum
     pose = optimum.pose.mirrored()
     return replace(optimum, pose=pose, y_m=pose.y_m, core_edges=other_side(optimum.core_edges))
-
-
-def other_side(core_edges: str) -> str:
-    """Return core edges as they are on the other side of the bird ahead."""
-    return re.sub("left|right", lambda found: {"left": "right"}.get(found[0], "left"), core_edges)

@@ -92,13 +92,13 @@ class FlockProblem(PairProblem):
         """Rings of every bird ahead, bird by bird; their states are numbered on from bird to bird."""
         return superposed_wake(self.bird, self.places, self.model)
 
-    def ring_name(self, ring: int) -> str:
-        """Name a ring of `wake`, and where the bird that shed it flies."""
+    def ring_parts(self, ring: int) -> tuple[str, ...]:
+        """Say of a ring of `wake` by which stroke and in which state it was shed, and by a bird of which row."""
         wake = self.wake()
         number, state = divmod(int(wake.state[ring]), self.model.stroke_states)
         stroke = "upstroke" if wake.is_upstroke[ring] else "downstroke"
-        shed_by = "leader" if number == len(self.places) - 1 else f"bird of row {self.places[number].row}"
-        return f"{stroke} ring ({shed_by} {('up', 'down')[state]})"
+        row = "" if number == len(self.places) - 1 else str(self.places[number].row)
+        return stroke, ("up", "down")[state], row
 
     def others(self, pose: Pose) -> list[tuple[Stroke, Pose]]:
         """Of each bird other than the one ahead whose wake is felt, how it flaps, and a pose relative to it."""

@@ -209,7 +209,7 @@ def _describe(problem: JointProblem, point: NDArray[np.float64], left: float) ->
             posed,
             Basin(own, 0.0, np.zeros(2), np.zeros(len(representative)), 1),
             replace(evidence, stationarity=left),
-            [tuple(representative[edge]) for edge in evidence.core_edges],
+            representative,
             rank=0,
             starts=1,
             is_v_optimum=False,

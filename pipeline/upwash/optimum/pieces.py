@@ -108,7 +108,7 @@ def solve_pieces(
             one.search.problem,
             one.basin,
             one.evidence,
-            [tuple(one.search.representative[edge]) for edge in one.evidence.core_edges],
+            one.search.representative,
             rank=rank,
             starts=sum(search.starts for search in searches),
             is_v_optimum=one is v_best,

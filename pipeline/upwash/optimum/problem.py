@@ -156,12 +156,11 @@ class PairProblem:
         """Greatest phase coordinate."""
         return 1.0 / self.model.stroke_states
 
-    def ring_name(self, ring: int) -> str:
-        """Name a ring of `wake`."""
+    def ring_parts(self, ring: int) -> tuple[str, ...]:
+        """Say of a ring of `wake` by which stroke and in which state it was shed."""
         wake = self.wake()
         stroke, state = "upstroke" if wake.is_upstroke[ring] else "downstroke", wake.state[ring]
-        leader = ("up", "down")[state] if self.model.stroke_states == 2 else str(state)
-        return f"{stroke} ring (leader {leader})"
+        return stroke, ("up", "down")[state] if self.model.stroke_states == 2 else str(state)
 
     def pose(self, point: NDArray[np.float64]) -> Pose:
         """Pose, in SI units and relative to the bird ahead, of a point of the scaled problem."""

@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from upwash.aero.pose import Pose
-from upwash.optimum.evidence import Evidence, describe_edge
+from upwash.optimum.evidence import Evidence, evidence_columns
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import Proof
 from upwash.optimum.record import Cell, Record, record
@@ -92,7 +95,7 @@ def describe_optimum(
     problem: PairProblem,
     basin: Basin,
     evidence: Evidence,
-    edge_names: list[tuple[int, int]],
+    representative: NDArray[np.int64],
     *,
     rank: int,
     starts: int,
@@ -108,8 +111,8 @@ def describe_optimum(
         The local optimum in scaled variables.
     evidence : Evidence
         What holds there.
-    edge_names : list of (lane, filament)
-        A lane and a filament of each core edge it lies on.
+    representative : ndarray of int
+        A lane and a filament of each core edge, see `upwash.optimum.edges.distinct_edges`.
     rank, starts : int
         Its place among the optima of the job; starts of the search.
     is_v_optimum : bool
@@ -125,10 +128,5 @@ def describe_optimum(
         starts=starts,
         is_v_optimum=is_v_optimum,
         is_global_optimum=rank == 0,
-        active_bounds=",".join(evidence.active_bounds),
-        core_edges=", ".join(describe_edge(problem, *name) for name in edge_names),
-        stationarity=evidence.stationarity,
-        curvature=evidence.curvature,
-        multiplier_lift=evidence.multiplier_lift,
-        multiplier_thrust=evidence.multiplier_thrust,
+        **evidence_columns(problem, representative, evidence),
     )

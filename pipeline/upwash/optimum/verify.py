@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from upwash.aero.pose import Pose
 from upwash.optimum.certify import certify
 from upwash.optimum.edges import distinct_edges
-from upwash.optimum.evidence import Evidence, describe_edge, gather_evidence
+from upwash.optimum.evidence import evidence_columns, gather_evidence
 from upwash.optimum.local import SCALE
 from upwash.optimum.problem import CORE2, VARIABLES, PairProblem
 from upwash.optimum.search import SAME_BASIN, Search
@@ -90,27 +90,13 @@ def examine(problems: Sequence[PairProblem], pose: Pose) -> list[dict[str, Any]]
             continue
         group, representative = _edges(problem)
         evidence = gather_evidence(problem, group, representative, point)
-        found.append(_as_columns(problem, representative, evidence))
+        found.append(evidence_columns(problem, representative, evidence))
     return found
 
 
 @lru_cache(PIECES_KEPT)
 def _edges(problem: PairProblem) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
-
-
-def _as_columns(
-    problem: PairProblem, representative: NDArray[np.int64], evidence: Evidence
-) -> dict[str, Any]:
-    edges = (describe_edge(problem, *representative[edge]) for edge in evidence.core_edges)
-    return {
-        "active_bounds": ",".join(evidence.active_bounds),
-        "core_edges": ", ".join(edges),
-        "stationarity": evidence.stationarity,
-        "curvature": evidence.curvature,
-        "multiplier_lift": evidence.multiplier_lift,
-        "multiplier_thrust": evidence.multiplier_thrust,
-    }
 
 
 def alike(problem: PairProblem, poses: Sequence[Pose]) -> list[tuple[int, int]]:

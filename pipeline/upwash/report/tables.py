@@ -14,6 +14,7 @@ import pandas as pd
 from upwash import columns as of
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.batch.row_checks import RESIDUAL_LIMIT
+from upwash.optimum.core_edge import BOTH, CoreEdge, edges_in
 from upwash.optimum.proof import is_proved, wall_in_words
 from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1
 from upwash.report.table import Table, shown
@@ -230,8 +231,10 @@ def basins(rows: pd.DataFrame) -> Table:
         One row an optimum. The core edges that it lies on are letters, explained in the notes.
     """
     best = rows["cost"].iloc[0]
-    edges = sorted({edge for text in rows["core_edges"] for edge in split(text)})
-    letters = {edge: _letters(number) for number, edge in enumerate(edges)}
+    edges = [[_edge_in_words(edge) for edge in edges_in(text or "")] for text in rows["core_edges"]]
+    letters = {
+        edge: _letters(number) for number, edge in enumerate(sorted({one for some in edges for one in some}))
+    }
     unit = COST_FUNCTIONS[rows["objective"].iloc[0]].unit
     where, places = shown(rows, (column for column in of.SOLUTIONS_COLUMNS if column.verified == of.FOUND))
     frame = pd.DataFrame(
@@ -246,7 +249,7 @@ def basins(rows: pd.DataFrame) -> Table:
             "station": rows["station"],
             "hits": rows["hits"].astype(int),
             "bounds": [" ".join(split(text)) or "-" for text in rows["active_bounds"]],
-            "edges": [" ".join(letters[edge] for edge in split(text)) or "-" for text in rows["core_edges"]],
+            "edges": [" ".join(letters[edge] for edge in some) or "-" for some in edges],
             "stationarity": rows["stationarity"],
         }
     )
@@ -258,6 +261,15 @@ def basins(rows: pd.DataFrame) -> Table:
         *(["edges, cores of the leader's vortices that the follower's wingtips touch:"] if notes else []),
     ]
     return Table(count, frame, formats, (*head, *notes))
+
+
+def _edge_in_words(edge: CoreEdge) -> str:
+    """Say which wingtip rides which vortex."""
+    tip = {"left": "left wingtip", "right": "right wingtip", BOTH: "wingtips"}
+    state = edge.state if edge.state in ("up", "down") else f"at {edge.state} h"
+    shed_by = f"bird of row {edge.row}" if edge.row else "leader"
+    point = tip.get(edge.point, f"span node {edge.point}")
+    return f"{point} {state} on {edge.filament} of {edge.ring} ring ({shed_by} {edge.shed})"
 
 
 def split(text: Any) -> list[str]:
