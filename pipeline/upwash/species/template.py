@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 
 from upwash.errors import UpwashError
@@ -128,6 +129,9 @@ def write_template(name: str, folder: Path) -> Path:
             f"{path}: expected no file of that name, found one; it is unchanged: choose another name"
         ) from error
     except OSError as error:
+        # Half a file would be in the way of the next attempt.
+        with suppress(OSError):
+            path.unlink()
         raise UpwashError(
             f"{path}: expected a folder to write to, found: {error.strerror}; choose another by --folder"
         ) from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 from collections.abc import Callable, Sequence
 from itertools import cycle
 from pathlib import Path
@@ -90,7 +91,10 @@ def save(figure: Figure, path: Path, ending: str = "") -> None:
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         style.use(STYLE)
-        figure.savefig(path, format=ending[1:], metadata=METADATA[ending])
+        # A disk that fills up while Matplotlib writes to it ends in errors of its own.
+        drawn = io.BytesIO()
+        figure.savefig(drawn, format=ending[1:], metadata=METADATA[ending])
+    path.write_bytes(drawn.getvalue())
 
 
 def mark(objective: str, **changes: Any) -> dict[str, Any]:
