@@ -195,12 +195,15 @@ class TestBasins:
 
     def test_core_edges_are_letters_with_a_legend(self, two_optima):
         edges = "both/up/starting/downstroke/down/2, left/down/right tip/upstroke/up, +0.333/+0.25/left tip/upstroke/7"
+        edges += ", both/-0.497 down/turn/upstroke/+0.5"
         table = basins(two_optima.assign(core_edges=["", edges]))
-        assert list(table.frame["edges"]) == ["-", "c a b"]
-        assert table.notes[-3:] == (
+        assert list(table.frame["edges"]) == ["-", "d a b c"]
+        assert table.notes[-4:] == (
             "a: left wingtip down on right tip of upstroke ring (leader up)",
             "b: span node +0.333 at +0.25 h on left tip of upstroke ring (leader 7)",
-            "c: wingtips up on starting of downstroke ring (bird of row 2 down)",
+            "c: wing at -0.497 h on its downstroke on the vortex where the leader's upstroke ends, "
+            "+0.5 wavelengths downstream",
+            "d: wingtips up on starting of downstroke ring (bird of row 2 down)",
         )
 
     def test_many_edges_do_not_run_out_of_letters(self, two_optima):

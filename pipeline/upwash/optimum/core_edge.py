@@ -11,6 +11,9 @@ from dataclasses import astuple, dataclass, replace
 BOTH = "both"
 """Both wingtips: they are as far from a spanwise filament."""
 
+TURN = "turn"
+"""The spanwise filament that an endless wake has where a stroke ends."""
+
 SIDES = {"left": "right", "right": "left", "left tip": "right tip", "right tip": "left tip"}
 
 
@@ -23,13 +26,14 @@ class CoreEdge:
     point : str
         ``left`` or ``right`` wingtip, `BOTH`, or the place of a span node from -1 (left tip) to 1.
     state : str
-        The follower's: ``up``, ``down``, or its height over its amplitude.
+        The follower's: ``up``, ``down``, or its height over its amplitude and, behind an endless wake, its way.
     filament : str
-        ``starting``, ``stopping``, ``left tip`` or ``right tip`` of a ring.
+        ``starting``, ``stopping``, ``left tip`` or ``right tip`` of a ring, or `TURN`.
     ring : str
-        ``upstroke`` or ``downstroke``.
+        ``upstroke`` or ``downstroke``, the one that ends at a turn.
     shed : str
-        State of the bird that shed the ring: ``up``, ``down``, or its number.
+        State of the bird that shed the ring: ``up``, ``down``, or its number; of a turn, how far downstream of the
+        leader it is, in wavelengths.
     row : str
         That bird's row, if it is not the one that is followed.
 

@@ -14,7 +14,7 @@ import pandas as pd
 from upwash import columns as of
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.batch.row_checks import RESIDUAL_LIMIT
-from upwash.optimum.core_edge import BOTH, CoreEdge, edges_in
+from upwash.optimum.core_edge import BOTH, TURN, CoreEdge, edges_in
 from upwash.optimum.proof import is_proved, wall_in_words
 from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1
 from upwash.report.table import Table, shown
@@ -265,6 +265,10 @@ def basins(rows: pd.DataFrame) -> Table:
 
 def _edge_in_words(edge: CoreEdge) -> str:
     """Say which wingtip rides which vortex."""
+    if edge.filament == TURN:
+        height, way = edge.state.split(" ")
+        vortex = f"the vortex where the leader's {edge.ring} ends, {edge.shed} wavelengths downstream"
+        return f"wing at {height} h on its {way}stroke on {vortex}"
     tip = {"left": "left wingtip", "right": "right wingtip", BOTH: "wingtips"}
     state = edge.state if edge.state in ("up", "down") else f"at {edge.state} h"
     shed_by = f"bird of row {edge.row}" if edge.row else "leader"

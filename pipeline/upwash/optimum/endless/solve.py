@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from upwash.aero.compiled.endless import HEIGHT
 from upwash.optimum.certify import DEPTH, SEARCH_EVERY, UNREACHABLE_COST, Certificate
 from upwash.optimum.compiled.endless_boxes import clear_endless_boxes
+from upwash.optimum.core_edge import BOTH, TURN, CoreEdge
 from upwash.optimum.endless.evidence import gather_endless_evidence
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import SHARE, EndlessSearch
@@ -229,7 +230,7 @@ def _described(
         is_v_optimum=is_v_optimum,
         is_global_optimum=rank == 0,
         active_bounds=",".join(evidence.active_bounds),
-        core_edges=", ".join(_edge_name(problem, edge) for edge in evidence.core_edges),
+        core_edges=", ".join(str(_edge_name(problem, edge)) for edge in evidence.core_edges),
         stationarity=evidence.stationarity,
         curvature=evidence.curvature,
         multiplier_lift=evidence.multiplier_lift,
@@ -237,13 +238,12 @@ def _described(
     )
 
 
-def _edge_name(problem: EndlessProblem, edge: int) -> str:
-    """Name a core edge: how high the wing is, and which spanwise filament of the wake it meets."""
+def _edge_name(problem: EndlessProblem, edge: int) -> CoreEdge:
+    """Name a core edge: how high the wing is on which stroke, and which spanwise filament of the wake it meets."""
     step, station = divmod(edge, problem.stations.shape[2])
-    stroke = "downstroke" if step < problem.wake_felt.downstroke_steps else "upstroke"
+    is_down = step < problem.wake_felt.downstroke_steps
     height = problem.wake_felt.steps[HEIGHT, step]
-    window = 0 if stroke == "downstroke" else 1
-    x, z = problem.stations[window, :2, station]
-    x = x / problem.wavelength + (0.0 if window == 0 else -0.5)
-    turn = "end of an upstroke" if z > 0.0 else "end of a downstroke"
-    return f"wing at {height:+.3g} h on its {stroke} on the {turn} at {x:+.3g} wavelengths"
+    x, z = problem.stations[0 if is_down else 1, :2, station]
+    x = x / problem.wavelength - (0.0 if is_down else 0.5)
+    state = f"{height:+.3g} {'down' if is_down else 'up'}"
+    return CoreEdge(BOTH, state, TURN, "upstroke" if z > 0.0 else "downstroke", f"{x:+.3g}")
