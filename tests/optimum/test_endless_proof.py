@@ -165,10 +165,10 @@ def escape_of_a_tip_filament(code, seed, boxes):
         size = 10.0 ** rng.uniform(-3.0, 0.0) * max(r, 0.1 * CORE)
         wp, we, wd = size * (rng.random(3) if k % 2 else rng.permutation([1.0, 0.0, 0.0]))
         bound = code._filament_radius(
-            e,
+            np.float64(e),
             we,
-            max(abs(d) - wd, 0.0),
-            max(p - length - wp, -p - wp, 0.0),
+            max(abs(d) - wd, np.float64(0.0)),
+            max(p - length - wp, -p - wp, np.float64(0.0)),
             max(abs(p) - wp, 0.0),
             max(abs(p - length) - wp, 0.0),
             length,
@@ -332,10 +332,10 @@ ENCLOSURE_MUTANTS = {
     "curvature across a filament halved": ("ACROSS = 1.0887", "ACROSS = 0.54"),
     "curvature along a filament forgotten": ("per_u2 * wp * (2.0 * across + along * wp)", "0.0"),
     "core taken for smooth along the filament": (
-        "(1.0 if is_out else 2.0), (0.0",
-        "(0.4 if is_out else 0.8), (0.0",
+        "(1.0 if is_out else 2.0), (2.0",
+        "(0.4 if is_out else 0.8), (2.0",
     ),
-    "charge of a far filament halved": ("far = (2.0 * length", "far = (0.9 * length"),
+    "charge of a far filament halved": ("far = charge * length", "far = 0.5 * charge * length"),
     "half of the filaments' steepness forgotten": ("steep = 4.0 * across", "steep = 0.5 * across"),
     "curvature of the cosines quartered": ("COSINE_CURVATURE = 2.0 /", "COSINE_CURVATURE = 0.2 /"),
     "vortex taken for straight": (

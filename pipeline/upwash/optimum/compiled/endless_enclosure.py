@@ -9,14 +9,15 @@ with M the greatest second derivative and L the greatest slope of G in the box. 
 bounded by its least distance from the box, and the lesser of the two is taken filament by filament:
 
 - A tip filament contributes the potential of a line of charge.  Across it, at a distance ρ, its second derivatives are
-  at most 1.0887 |p/u|/ρ² for each end (p along the filament, u the distance to the end), inside the core 1/r_c²; along
-  it at most 1/u², inside the core and near the end 2/r_c²; and seen from outside its length l, at a distance u, all of
-  it at most 2 l/u³.
+  at most 1.0887/ρ² for each end, inside the core 1/r_c²; along it at most 1/u², with u the distance from the end, and
+  inside the core 2/max(u², r_c²); and of each piece dl of it, at a distance u, all of them are at most 2 dl/u³ outside
+  and 3 dl/u³ inside the core.
 - The spanwise filaments of two runs that meet at a station cancel but for the strips where one of them is wider.  They
   contribute k N, with k = ζ̄/max(|ζ|², r_c²) the plane vortex about the station and N a difference of distances to the
   corners; |k| ≤ m^−½, |k′| ≤ 1/m, |k″| ≤ 2 m^−3/2 with m = max(|ζ|², r_c²), and N, N′, N″ are bounded by the strips'
   width and by the corners' least distance.  Where the box crosses the core's edge the slope of k jumps by 2/r_c².
-- What is beyond the window lies so far away that one bound serves every box.
+- Filaments more than two wavelengths from the middle of the window, and what is beyond it, lie so far away that one
+  bound serves every box.
 
 The force's value, slopes, images and tails are those of the force itself, from the same kernel.
 """
@@ -56,17 +57,20 @@ class EndlessEnclosure(NamedTuple):
     ----------
     wake : EndlessWake
         The wake, its weights not negative.
+    runs : (2, 9, m) ndarray of float
+        Those of its runs that are near, of the window of the follower's downstroke and of its upstroke.
     stations : (2, 8, n) ndarray of float
-        Stations of the window of the follower's downstroke and of its upstroke.
-    tail_curvature : float
-        Half of the greatest second derivative of the force of what is beyond the windows.
+        The stations that are near.
+    far_curvature : float
+        Half of the greatest second derivative of the force of all that is further away.
     rounding : float
         What rounding may add to the force.
     """
 
     wake: EndlessWake
+    runs: NDArray[np.float64]
     stations: NDArray[np.float64]
-    tail_curvature: float
+    far_curvature: float
     rounding: float
 
 
@@ -98,11 +102,10 @@ def _filament_radius(y, we, d_low, gap, to_first, to_last, length, wp, across, c
     first, last = to_first * to_first + r_low, to_last * to_last + r_low
     first, last = (first if first > core2 else core2), (last if last > core2 else core2)
     beyond = gap * gap + r_low
-    beyond = beyond if beyond > core2 else core2
-    along, inside = (1.0 if is_out else 2.0), (0.0 if is_out else 6.0)
+    along, charge = (1.0 if is_out else 2.0), (2.0 if is_out else 3.0)
     per_u2 = 1.0 / first + 1.0 / last
     near = 2.0 * ACROSS * across * across / m + per_u2 * wp * (2.0 * across + along * wp)
-    far = (2.0 * length / math.sqrt(beyond) + inside) / beyond * (wp * wp + across * across)
+    far = charge * length / (math.sqrt(beyond) * beyond) * (wp * wp + across * across)
     bent = 0.5 * (near if near < far else far)
     steep = 4.0 * across / math.sqrt(m) + 2.0 * along * wp * math.sqrt(2.0 * per_u2)
     return bent if bent < steep else steep
@@ -231,7 +234,7 @@ def enclose_endless_force(point, widths, enclosure, places, jacobian, forms):
     lift_radius = thrust_radius = 0.0
     for window in range(2):
         begin, end = (0, downs) if window == 0 else (downs, count)
-        runs, stations = wake.runs[window], enclosure.stations[window]
+        runs, stations = enclosure.runs[window], enclosure.stations[window]
         for k in range(begin, end):
             raised, weight = 0.5 + steps[HEIGHT, k], steps[WEIGHT, k]
             wz, we = raised * w_up + (1.0 - raised) * w_down, wy + steps[SPAN_FLEXED, k] * w_ratio
@@ -243,7 +246,7 @@ def enclose_endless_force(point, widths, enclosure, places, jacobian, forms):
                 lift_radius += weight * (tip_x + spanwise)
                 thrust_radius += weight * (tip_z + spanwise)
     w_z = w_up if w_up > w_down else w_down
-    tail = enclosure.tail_curvature * (wx * wx + w_z * w_z + (wy + w_ratio) * (wy + w_ratio))
+    far = enclosure.far_curvature * (wx * wx + w_z * w_z + (wy + w_ratio) * (wy + w_ratio))
     for c in range(2):
         form = forms[c]
         form[VALUE] = lift if c == 0 else thrust
@@ -251,4 +254,4 @@ def enclose_endless_force(point, widths, enclosure, places, jacobian, forms):
         form[BY_UP] = 0.5 * jacobian[c, 2] + jacobian[c, 3]
         form[BY_DOWN] = 0.5 * jacobian[c, 2] - jacobian[c, 3]
         form[BY_RATIO] = jacobian[c, 4]
-        form[RADIUS] = (lift_radius if c == 0 else thrust_radius) + tail + enclosure.rounding
+        form[RADIUS] = (lift_radius if c == 0 else thrust_radius) + far + enclosure.rounding

@@ -27,6 +27,9 @@ from upwash.optimum.search import Basin
 from upwash.optimum.settings import SearchSettings
 from upwash.optimum.solution import Optimum, PairSolution
 
+SAME_COST = 1e-10
+"""Costs that differ by no more than this share are one."""
+
 
 def solve_endless_pair(problem: EndlessProblem, settings: SearchSettings) -> PairSolution:
     """Solve one follower's problem behind an endless wake.
@@ -110,7 +113,7 @@ def _prove(
         if np.all((basin.point >= bounds[:, 0])[1:] & (basin.point <= bounds[:, 1])[1:])
     ]
     best = min(inside, key=lambda basin: basin.cost, default=None)
-    if whole and whole.best and best and best.cost <= whole.best.cost:
+    if whole and whole.best and best and best.cost <= whole.best.cost * (1.0 + SAME_COST):
         return _Region(whole.lower_bound, best, 0)
     boxes = 0
     for _ in range(MOST_PROOFS):
@@ -176,7 +179,9 @@ def certify_endless(
         )
         boxes, left_open = boxes + examined, min(left_open, given_up)
         if descend and height > 0 and not np.isnan(centre[0]):
-            better = next((one for one in descend(centre[None, :]) if one.cost < best), None)
+            better = next(
+                (one for one in descend(centre[None, :]) if one.cost < best * (1.0 - SAME_COST)), None
+            )
             if better is not None:
                 found, best, threshold = better, better.cost, better.cost / (1.0 + tolerance)
     left_open = min(left_open, np.min(floors[:height], initial=np.inf))
