@@ -103,9 +103,13 @@ def serve():
     """Fork for each line of standard input, and answer with an exit code."""
     import pyarrow.parquet  # noqa: F401
     from upwash.batch import aggregate, check, merge, runner  # noqa: F401
-    from upwash.optimum import search  # noqa: F401
+    from upwash.optimum.pair import solve_pair
     from upwash.report import animation, page  # noqa: F401
+    from upwash.species import load_library, load_species
 
+    # The kernels are loaded once as well.
+    load_library()
+    solve_pair(load_species(IBIS).bird(), "force")
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     for line in sys.stdin:
         child = os.fork()
@@ -269,7 +273,7 @@ SURROUNDINGS = {
 }
 
 
-NEEDED_BY = dict.fromkeys(SURROUNDINGS, ("optimum",)) | {"no home": ("optimum", "field")}
+NEEDED_BY = dict.fromkeys(SURROUNDINGS, ("optimum",)) | {"no home": ("field",)}
 """What is tried in each: what is drawn looks for a home as well, where fonts are kept."""
 
 
