@@ -257,7 +257,10 @@ class TestRefuses:
             ({"objective": "joy"}, "objective: expected one of force, power, cost_of_transport, found 'joy'"),
             ({"birds": 1}, "birds: expected a whole number of at least 2, found 1"),
             ({"birds": 2.0}, "birds: expected a whole number of at least 2, found 2.0"),
-            ({"model": {"wavelengths": 0}}, "wavelengths: expected a whole number of at least 1, found 0"),
+            (
+                {"model": {"wavelengths": 0}},
+                "wavelengths: expected math.inf or a whole number of at least 1, found 0",
+            ),
         ],
     )
     def test_what_makes_no_flock(self, ibis, choice, message):

@@ -66,7 +66,7 @@ def bird_of(inputs: Mapping[str, float]) -> Bird | NoBird:
     >>> bird_of(vars(ibis)) == ibis
     True
     >>> bird_of(vars(ibis) | {"amplitude_m": 3.0}).why
-    'amplitude_m: expected at most twice the semispan (1.2 m, a half-angle of 90°), found 3'
+    'amplitude_m: expected at most twice the semispan (1.2 m, a half-angle of 90°), found 3.0'
     """
     try:
         return Bird(**inputs)
