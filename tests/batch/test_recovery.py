@@ -9,8 +9,8 @@ import pyarrow.parquet as pq
 import pytest
 from conftest import kill, wait_until
 from upwash.batch import gather
-from upwash.batch.row_checks import RESIDUAL_LIMIT, residuals
 from upwash.batch.folder import Entry, ResultsFolder, Shard, journal_line
+from upwash.batch.row_checks import RESIDUAL_LIMIT, residuals
 
 
 class TestJournal:
