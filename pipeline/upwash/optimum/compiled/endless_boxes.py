@@ -13,16 +13,16 @@ from upwash.kernel import kernel
 from upwash.optimum import enclosure
 from upwash.optimum.certify import (
     CLEARED,
+    LEAST_MULTIPLIERS,
+    LEAST_SLOPE,
     MARGIN,
     OPEN,
     SEARCH_WIDTH,
     TINY,
     WIDTHS,
-    WORTH_REPEATING,
     _ascend,
     _contract,
     _couple,
-    _split_variable,
     relax,
 )
 from upwash.optimum.compiled.endless_enclosure import (
@@ -33,7 +33,8 @@ from upwash.optimum.compiled.endless_enclosure import (
     BY_Y,
     RADIUS,
     VALUE,
-    enclose_endless_force,
+    enclose_far_force,
+    enclose_near_force,
 )
 from upwash.optimum.enclosure import ROUNDING
 from upwash.optimum.problem import LIFT_FIXED, LIFT_RATIO, THRUST_FIXED, THRUST_RATIO, cost_of
@@ -48,8 +49,43 @@ _VALUE, _BY_X, _BY_Y, _BY_Z, _BY_RATIO, _RADIUS = (
 )
 
 
+WORTH_REPEATING = 0.5
+SHARP = 0.1
+"""The enclosure of the far runs over a larger box serves while its radius is at most this share of the near ones'."""
+
+RADIUS_WEIGHT = 30.0
+
+
 @kernel
-def examine_endless(low, high, nu, wake, constants, limits, threshold, scratch, forms, places):
+def _split_variable(low, high, nu, relaxation):
+    """Choose the variable whose range widens the bound most, by its slopes and by its share in the radii.
+
+    Radii grow with the squares of the ranges.  Multipliers enter with a floor, or a coarse box would look flat in all
+    but one variable.
+    """
+    weight_lift = max(abs(nu[0]), LEAST_MULTIPLIERS[0])
+    weight_thrust = max(abs(nu[1]), LEAST_MULTIPLIERS[1])
+    radius = weight_lift * relaxation[1, 7] + weight_thrust * relaxation[2, 7]
+    squares = 0.0
+    for i in range(5):
+        squares += (0.5 * (high[i] - low[i])) ** 2
+    best, chosen = -1.0, 0
+    for i in range(5):
+        width = 0.5 * (high[i] - low[i])
+        score = width * (
+            abs(relaxation[0, 1 + i])
+            + weight_lift * abs(relaxation[1, 1 + i])
+            + weight_thrust * abs(relaxation[2, 1 + i])
+            + LEAST_SLOPE / WIDTHS[i]
+        )
+        score += RADIUS_WEIGHT * radius * width * width / squares
+        if score > best:
+            best, chosen = score, i
+    return chosen
+
+
+@kernel
+def examine_endless(low, high, nu, wake, constants, limits, threshold, far, scratch, forms, places):
     """Try to clear a box; cut off what can be cut off.
 
     Parameters
@@ -66,6 +102,9 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, scratch, 
         Least and greatest mean height, least and greatest amplitude.
     threshold : float
         Cost to be exceeded.
+    far : (3, 7) ndarray of float
+        Enclosure of the far runs' force over a box that holds this one, lift and thrust, and that box's centre; the
+        greatest radius, infinite, where there is none yet.  Renewed where it is not sharp enough.
     scratch : (12, 10) ndarray of float
         Scratch; on return rows 0 to 2 hold the last relaxation.
     forms : (2, 2, 2, 6) ndarray of float
@@ -101,10 +140,21 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, scratch, 
             widths[i] = 0.5 * (high[i] - low[i]) + ROUNDING * (abs(low[i]) + abs(high[i]))
             before *= max(widths[i], 1e-12)
         up, down = 0.5 * (low[2] + high[2]), 0.5 * (low[3] + high[3])
-        point[0] = 0.5 * (low[0] + high[0]) / wake.wake.wavelength
+        point[0] = 0.5 * (low[0] + high[0]) / wake.near.wavelength
         point[1], point[2], point[3] = 0.5 * (low[1] + high[1]), 0.5 * (up + down), up - down
         point[4] = 0.5 * (low[4] + high[4])
-        enclose_endless_force(point, widths, wake, places, jacobian, force)
+        enclose_near_force(point, widths, wake, places, jacobian, force)
+        sharp = SHARP * min(force[0, RADIUS], force[1, RADIUS])
+        if max(far[0, RADIUS], far[1, RADIUS]) > sharp:
+            enclose_far_force(point, widths, wake, places, jacobian, far)
+            for i in range(5):
+                far[2, i] = 0.5 * (low[i] + high[i])
+        for c in range(2):
+            force[c, VALUE] += far[c, VALUE]
+            for i in range(5):
+                force[c, VALUE] += far[c, BY_X + i] * (0.5 * (low[i] + high[i]) - far[2, i])
+                force[c, BY_X + i] += far[c, BY_X + i]
+            force[c, RADIUS] += far[c, RADIUS]
         for c in range(2):
             for end in range(2):
                 for k in range(6):
@@ -139,7 +189,7 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, scratch, 
 
 @kernel
 def clear_endless_boxes(
-    lows, highs, multipliers, floors, height, limits, threshold, budget, wake, constants, centre
+    lows, highs, multipliers, floors, fars, height, limits, threshold, budget, wake, constants, centre
 ):
     """Examine boxes from the top of a stack, and split those that stay open, until it is empty or the budget spent.
 
@@ -147,6 +197,8 @@ def clear_endless_boxes(
     ----------
     lows, highs, multipliers, floors, height, limits, threshold, budget, centre
         As for `upwash.optimum.certify.clear_boxes`.
+    fars : (d, 3, 7) ndarray of float
+        Of each box on the stack, an enclosure of the far runs' force, see `examine_endless`.
     wake : EndlessEnclosure
         The wake.
     constants : (10,) ndarray of float
@@ -162,8 +214,8 @@ def clear_endless_boxes(
         Least cost in the boxes that were given up, being too small to split; infinite if none was.
     """
     scratch, forms = np.empty((12, 10)), np.empty((2, 2, 2, 6))
-    places = np.empty((4, wake.wake.steps.shape[1]))
-    low, high, nu = np.empty(6), np.empty(6), np.empty(2)
+    places = np.empty((4, wake.near.steps.shape[1]))
+    low, high, nu, far = np.empty(6), np.empty(6), np.empty(2), np.empty((3, 7))
     boxes, left_open = 0, np.inf
     centre[:] = np.nan
     while height > 0 and boxes < budget:
@@ -172,8 +224,11 @@ def clear_endless_boxes(
         for i in range(6):
             low[i], high[i] = lows[height, i], highs[height, i]
         nu[0], nu[1] = multipliers[height, 0], multipliers[height, 1]
+        for i in range(3):
+            for k in range(7):
+                far[i, k] = fars[height, i, k]
         state, bound = examine_endless(
-            low, high, nu, wake, constants, limits, threshold, scratch, forms, places
+            low, high, nu, wake, constants, limits, threshold, far, scratch, forms, places
         )
         if state == CLEARED:
             continue
@@ -199,5 +254,8 @@ def clear_endless_boxes(
             else:
                 lows[height, chosen] = middle
             multipliers[height, 0], multipliers[height, 1], floors[height] = nu[0], nu[1], bound
+            for i in range(3):
+                for k in range(7):
+                    fars[height, i, k] = far[i, k]
             height += 1
     return height, boxes, left_open

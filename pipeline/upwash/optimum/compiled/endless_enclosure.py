@@ -19,7 +19,8 @@ bounded by its least distance from the box, and the lesser of the two is taken f
 - Filaments more than two wavelengths from the middle of the window, and what is beyond it, lie so far away that one
   bound serves every box.
 
-The force's value, slopes, images and tails are those of the force itself, from the same kernel.
+The force's value, slopes, images and tails are those of the force itself, from the same kernel.  What is far bends so
+little that its form over a box serves the smaller boxes within as well.
 """
 
 from __future__ import annotations
@@ -55,20 +56,20 @@ class EndlessEnclosure(NamedTuple):
 
     Attributes
     ----------
-    wake : EndlessWake
-        The wake, its weights not negative.
-    runs : (2, 9, m) ndarray of float
-        Those of its runs that are near, of the window of the follower's downstroke and of its upstroke.
+    near : EndlessWake
+        Its near runs alone, without what is beyond the window; its weights are not negative.
+    far : EndlessWake
+        All else of it.
     stations : (2, 8, n) ndarray of float
-        The stations that are near.
+        The near stations, of the window of the follower's downstroke and of its upstroke.
     far_curvature : float
-        Half of the greatest second derivative of the force of all that is further away.
+        Half of the greatest second derivative of the force of all that is not near.
     rounding : float
         What rounding may add to the force.
     """
 
-    wake: EndlessWake
-    runs: NDArray[np.float64]
+    near: EndlessWake
+    far: EndlessWake
     stations: NDArray[np.float64]
     far_curvature: float
     rounding: float
@@ -112,13 +113,13 @@ def _filament_radius(y, we, d_low, gap, to_first, to_last, length, wp, across, c
 
 
 @kernel(fastmath=FAST)
-def tip_radius(x, z, e, wx, wz, we, runs, core2, soft):
-    """Bound what the tip filaments of all runs add to the remainder at one end of the wing.
+def tip_radius(x, z, right, left, wx, wz, we, runs, core2, soft):
+    """Bound what the tip filaments of all runs add to the remainder at both ends of the wing together.
 
     Parameters
     ----------
-    x, z, e : float
-        Centre of the box: station and height of the wing, and y of its end.
+    x, z, right, left : float
+        Centre of the box: station and height of the wing, and y of its ends.
     wx, wz, we : float
         Half-widths of the box.
     runs : (9, n) ndarray of float
@@ -144,21 +145,39 @@ def tip_radius(x, z, e, wx, wz, we, runs, core2, soft):
         to_first, to_last = abs(p0) - wp, abs(p1) - wp
         to_first, to_last = (to_first if to_first > 0.0 else 0.0), (to_last if to_last > 0.0 else 0.0)
         across = math.sqrt(wd * wd + we * we)
-        left = _filament_radius(e + w, we, d_low, gap, to_first, to_last, length, wp, across, core2, soft)
-        right = _filament_radius(e - w, we, d_low, gap, to_first, to_last, length, wp, across, core2, soft)
-        both = runs[STRENGTH, i] * (left + right)
-        by_x += az * both
-        by_z += ax * both
+        a = _filament_radius(right + w, we, d_low, gap, to_first, to_last, length, wp, across, core2, soft)
+        b = _filament_radius(right - w, we, d_low, gap, to_first, to_last, length, wp, across, core2, soft)
+        c = _filament_radius(left + w, we, d_low, gap, to_first, to_last, length, wp, across, core2, soft)
+        d = _filament_radius(left - w, we, d_low, gap, to_first, to_last, length, wp, across, core2, soft)
+        total = runs[STRENGTH, i] * (a + b + c + d)
+        by_x += az * total
+        by_z += ax * total
     return by_x, by_z
 
 
+@kernel(fastmath=FAST, inline="always")
+def _strip_slopes(y, we, q_low, wide, narrow, inner, strong, weak, size):
+    """Bound the first and the second derivatives of what lies along the span, at one end of the wing."""
+    y_wide, y_narrow = abs(y - wide) - we, abs(y - narrow) - we
+    y_wide, y_narrow = (y_wide if y_wide > 0.0 else 0.0), (y_narrow if y_narrow > 0.0 else 0.0)
+    y_strip = (y - wide if y - wide > inner - y else inner - y) - we
+    y_strip = y_strip if y_strip > 0.0 else 0.0
+    n2 = q_low + y_strip * y_strip
+    slope, by_strip = 2.0 * (strong + weak), size / math.sqrt(n2)
+    slope = by_strip if by_strip < slope else slope
+    curve = 2.0 * strong / math.sqrt(q_low + y_wide * y_wide)
+    curve += 2.0 * weak / math.sqrt(q_low + y_narrow * y_narrow)
+    by_strip = COSINE_CURVATURE * size / n2
+    return slope, (by_strip if by_strip < curve else curve)
+
+
 @kernel(fastmath=FAST)
-def station_radius(x, z, e, wx, wz, we, stations, core2, soft):
-    """Bound what the spanwise filaments at all stations add to the remainder at one end of the wing.
+def station_radius(x, z, right, left, wx, wz, we, stations, core2, soft):
+    """Bound what the spanwise filaments at all stations add to the remainder at both ends of the wing together.
 
     Parameters
     ----------
-    x, z, e, wx, wz, we, core2, soft
+    x, z, right, left, wx, wz, we, core2, soft
         As for `tip_radius`.
     stations : (8, n) ndarray of float
         Rows as named above.
@@ -173,7 +192,7 @@ def station_radius(x, z, e, wx, wz, we, stations, core2, soft):
     whole2 = aside2 + we * we
     aside, whole = math.sqrt(aside2), math.sqrt(whole2)
     edge, bend = math.sqrt(core2), (3.0 if soft > 0.0 else 2.0)
-    y = abs(e)
+    right, left = abs(right), abs(left)
     for i in range(stations.shape[1]):
         x0, z0 = abs(x - stations[STATION_X, i]), abs(z - stations[STATION_Z, i])
         x_low, z_low = x0 - wx, z0 - wz
@@ -183,35 +202,29 @@ def station_radius(x, z, e, wx, wz, we, stations, core2, soft):
         m = q_low if q_low > core2 else core2
         wide, narrow, inner = stations[WIDE, i], stations[NARROW, i], stations[INNER, i]
         strong, weak, size = stations[STRONG, i], stations[WEAK, i], stations[SIZE, i]
-        # Least distances from the corners and from the strips between them.
-        y_wide, y_narrow = abs(y - wide) - we, abs(y - narrow) - we
-        y_wide, y_narrow = (y_wide if y_wide > 0.0 else 0.0), (y_narrow if y_narrow > 0.0 else 0.0)
-        y_strip = (y - wide if y - wide > inner - y else inner - y) - we
-        y_strip = y_strip if y_strip > 0.0 else 0.0
-        n2 = q_low + y_strip * y_strip
-        slope, by_strip = 2.0 * (strong + weak), size / math.sqrt(n2)
-        slope = by_strip if by_strip < slope else slope
-        curve = 2.0 * strong / math.sqrt(q_low + y_wide * y_wide)
-        curve += 2.0 * weak / math.sqrt(q_low + y_narrow * y_narrow)
-        by_strip = COSINE_CURVATURE * size / n2
-        curve = by_strip if by_strip < curve else curve
         per_m = 1.0 / m
         root = math.sqrt(per_m)
-        bent = 0.0 if q_high < core2 else bend * root * size * aside2
-        bent = 0.5 * (per_m * (bent + 2.0 * slope * aside * whole) + root * curve * whole2)
+        straight = 0.0 if q_high < core2 else 0.5 * bend * per_m * root * size * aside2
         # Where the box crosses the core's edge the slope jumps there.
         beyond = aside - abs(math.sqrt(x0 * x0 + z0 * z0) - edge)
         crosses = q_low < core2 and q_high > core2 and beyond > 0.0
-        bent += 2.0 * per_m * size * beyond if crosses else 0.0
-        steep = 2.0 * (per_m * size * aside + root * slope * whole)
+        straight += 2.0 * per_m * size * beyond if crosses else 0.0
+        steep = 2.0 * per_m * size * aside
         # Where a corner may lie in the box the curve is infinite, or infinity times nought; the other bound holds.
-        total += bent if bent < steep else steep
+        slope, curve = _strip_slopes(right, we, q_low, wide, narrow, inner, strong, weak, size)
+        bent_right = straight + per_m * slope * aside * whole + 0.5 * root * curve * whole2
+        steep_right = steep + 2.0 * root * slope * whole
+        slope, curve = _strip_slopes(left, we, q_low, wide, narrow, inner, strong, weak, size)
+        bent_left = straight + per_m * slope * aside * whole + 0.5 * root * curve * whole2
+        steep_left = steep + 2.0 * root * slope * whole
+        total += bent_right if bent_right < steep_right else steep_right
+        total += bent_left if bent_left < steep_left else steep_left
     return total
 
 
-@kernel(fastmath=FAST)
-def enclose_endless_force(point, widths, enclosure, places, jacobian, forms):
-    """Enclose the force of an endless wake over a box.
+@kernel
+def enclose_near_force(point, widths, enclosure, places, jacobian, forms):
+    """Enclose the force of the near runs over a box.
 
     Parameters
     ----------
@@ -226,32 +239,45 @@ def enclose_endless_force(point, widths, enclosure, places, jacobian, forms):
     forms : (2, 7) ndarray of float
         Overwritten, for lift and for thrust: value, slopes by the five variables of the box, radius.
     """
-    wake = enclosure.wake
+    wake, stations_of = enclosure.near, enclosure.stations
     steps, count, downs = wake.steps, wake.steps.shape[1], wake.downstroke_steps
     core2, soft = wake.core.least, wake.core.softening
-    lift, thrust = endless_force_jacobian(point, wake, places, jacobian)
+    _centre_form(point, wake, places, jacobian, forms)
     wx, wy, w_up, w_down, w_ratio = widths[0], widths[1], widths[2], widths[3], widths[4]
     lift_radius = thrust_radius = 0.0
     for window in range(2):
         begin, end = (0, downs) if window == 0 else (downs, count)
-        runs, stations = enclosure.runs[window], enclosure.stations[window]
+        runs, stations = wake.runs[window], stations_of[window]
         for k in range(begin, end):
             raised, weight = 0.5 + steps[HEIGHT, k], steps[WEIGHT, k]
             wz, we = raised * w_up + (1.0 - raised) * w_down, wy + steps[SPAN_FLEXED, k] * w_ratio
-            x, z = places[0, k], places[1, k]
-            for end_of_wing in range(2):
-                e = places[2 + end_of_wing, k]
-                tip_x, tip_z = tip_radius(x, z, e, wx, wz, we, runs, core2, soft)
-                spanwise = station_radius(x, z, e, wx, wz, we, stations, core2, soft)
-                lift_radius += weight * (tip_x + spanwise)
-                thrust_radius += weight * (tip_z + spanwise)
-    w_z = w_up if w_up > w_down else w_down
-    far = enclosure.far_curvature * (wx * wx + w_z * w_z + (wy + w_ratio) * (wy + w_ratio))
+            x, z, right, left = places[0, k], places[1, k], places[2, k], places[3, k]
+            tip_x, tip_z = tip_radius(x, z, right, left, wx, wz, we, runs, core2, soft)
+            spanwise = station_radius(x, z, right, left, wx, wz, we, stations, core2, soft)
+            lift_radius += weight * (tip_x + spanwise)
+            thrust_radius += weight * (tip_z + spanwise)
+    forms[0, RADIUS] = lift_radius + enclosure.rounding
+    forms[1, RADIUS] = thrust_radius + enclosure.rounding
+
+
+@kernel
+def enclose_far_force(point, widths, enclosure, places, jacobian, forms):
+    """Enclose the force of all but the near runs over a box; as `enclose_near_force`."""
+    _centre_form(point, enclosure.far, places, jacobian, forms)
+    w_z = widths[2] if widths[2] > widths[3] else widths[3]
+    w_y = widths[1] + widths[4]
+    radius = enclosure.far_curvature * (widths[0] * widths[0] + w_z * w_z + w_y * w_y)
+    forms[0, RADIUS] = forms[1, RADIUS] = radius + enclosure.rounding
+
+
+@kernel
+def _centre_form(point, wake, places, jacobian, forms):
+    """Fill in value and slopes at the centre of a box."""
+    lift, thrust = endless_force_jacobian(point, wake, places, jacobian)
+    forms[0, VALUE], forms[1, VALUE] = lift, thrust
     for c in range(2):
         form = forms[c]
-        form[VALUE] = lift if c == 0 else thrust
         form[BY_X], form[BY_Y] = jacobian[c, 0] / wake.wavelength, jacobian[c, 1]
         form[BY_UP] = 0.5 * jacobian[c, 2] + jacobian[c, 3]
         form[BY_DOWN] = 0.5 * jacobian[c, 2] - jacobian[c, 3]
         form[BY_RATIO] = jacobian[c, 4]
-        form[RADIUS] = (lift_radius if c == 0 else thrust_radius) + far + enclosure.rounding

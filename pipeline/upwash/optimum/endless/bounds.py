@@ -35,7 +35,6 @@ def endless_enclosure(wake: EndlessWake) -> EndlessEnclosure:
     is_near = (near > -middle - 1e-9) & (near < middle - 1e-9)
     first_x = wake.runs[0, span.FIRST_X]
     is_near_run = (first_x > -middle - 1e-9) & (first_x < middle - 1e-9)
-    runs = wake.runs[:, :, is_near_run]
     weight = float(np.sum(np.abs(wake.steps[force.WEIGHT])))
     strength = float(np.max(np.abs(wake.runs[:, span.STRENGTH])))
     far = max(
@@ -47,8 +46,11 @@ def endless_enclosure(wake: EndlessWake) -> EndlessEnclosure:
     # Each run's terms are of the size of the logarithm of a ratio of lengths, or of a width over the core.
     size = weight * strength * wake.runs.shape[2] * 20.0
     return EndlessEnclosure(
-        wake,
-        np.ascontiguousarray(runs),
+        wake._replace(
+            runs=np.ascontiguousarray(wake.runs[:, :, is_near_run]),
+            tails=np.ascontiguousarray(wake.tails[:, :, :0]),
+        ),
+        wake._replace(runs=np.ascontiguousarray(wake.runs[:, :, ~is_near_run])),
         np.ascontiguousarray(stations[:, :, is_near]),
         2.0 * weight * far,
         ROUNDING * size,

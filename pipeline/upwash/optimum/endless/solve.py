@@ -157,6 +157,7 @@ def certify_endless(
     x, y, z, h, ratio, nothing = problem.proof_bounds(bounds)
     lows, highs = np.empty((DEPTH, 6)), np.empty((DEPTH, 6))
     multipliers, floors = np.zeros((DEPTH, 2)), np.full(DEPTH, -np.inf)
+    fars = np.full((DEPTH, 3, 7), np.inf)
     lows[0] = x[0], y[0], z[0] + 0.5 * h[0], z[0] - 0.5 * h[1], ratio[0], nothing[0]
     highs[0] = x[1], y[1], z[1] + 0.5 * h[1], z[1] - 0.5 * h[0], ratio[1], nothing[1]
     limits, centre = np.array([*z, *h]), np.empty(6)
@@ -169,6 +170,7 @@ def certify_endless(
             highs,
             multipliers,
             floors,
+            fars,
             height,
             limits,
             threshold,
