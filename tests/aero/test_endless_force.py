@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from upwash.aero.compiled.endless import endless_force_jacobian
+from upwash.aero.compiled.endless import endless_force_jacobian, fill_endless_force
 from upwash.aero.endless import Window, compiled_endless_wake, endless_window
 from upwash.aero.induction import velocity
 from upwash.aero.interaction import phase_weights, wake_force
@@ -124,6 +124,13 @@ def test_the_compiled_force_is_the_force_of_the_model(ibis, model, ratio):
     for follower in random_followers(bird, 40):
         force, _ = compiled_force(follower, wake)
         assert force == pytest.approx(plain_force(bird, follower, model), rel=1e-12, abs=1e-13)
+
+
+def test_many_followers_at_once_feel_what_each_feels(ibis):
+    wake, followers = compiled_wake(ibis, LIMIT), random_followers(ibis, 30)
+    forces = np.empty((30, 2))
+    fill_endless_force(followers, wake, forces)
+    assert forces == pytest.approx(np.array([compiled_force(each, wake)[0] for each in followers]), rel=1e-14)
 
 
 def distance_from_edges(follower, wake):

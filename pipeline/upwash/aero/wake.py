@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,9 @@ CORE_RADIUS_RATIO = 0.171
 _CORE = positive & within(
     1e-3, 1.0, "in semispans: a core is thicker than a line and thinner than a wing is long"
 )
+STEP_IN_CORES = 1.2
+"""How far a step of the wingbeat may carry the wing along an endless wake, in core radii."""
+
 FINENESS = whole_from(2, 1000, "the wake's force has long converged, and more only takes time")
 """What a number of stroke states or of points across the span must be."""
 
@@ -130,6 +133,30 @@ class WakeModel:
         for name, rule in rules.items():
             rule(name, getattr(self, name))
         return self
+
+    def resolving(self, wavelength_ratio: float) -> WakeModel:
+        """Return the model with as many steps as a wavelength needs, where its wake is endless.
+
+        While a step carries the wing by no more than 1.2 core radii along the wake, the least power is told to a
+        thousandth of what is saved and forces to a hundredth; thin cores and long waves take more steps than the
+        model may have.
+
+        Parameters
+        ----------
+        wavelength_ratio : float
+            Wavelength over semispan.
+
+        Examples
+        --------
+        >>> WakeModel.named("limit").resolving(6.25).stroke_states
+        32
+        >>> WakeModel.named("limit").resolving(20.0).stroke_states
+        98
+        """
+        needed = math.ceil(wavelength_ratio / (STEP_IN_CORES * self.core_radius_ratio))
+        if not self.is_endless or needed <= self.stroke_states:
+            return self
+        return replace(self, stroke_states=needed + needed % 2)
 
     @property
     def is_endless(self) -> bool:

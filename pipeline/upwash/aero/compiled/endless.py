@@ -241,3 +241,23 @@ def endless_force_jacobian(point, wake, places, jacobian):
     jacobian[1, 0], jacobian[1, 1], jacobian[1, 2] = wavelength * thrust_x, thrust_y, thrust_z
     jacobian[1, 3], jacobian[1, 4] = thrust_h, thrust_r
     return lift, thrust
+
+
+@kernel
+def fill_endless_force(points, wake, forces):
+    """Overwrite an array with the lift and thrust of an endless wake on many followers.
+
+    The interpreter's lock is released meanwhile, so threads may fill slices of one array at the same time.
+
+    Parameters
+    ----------
+    points : (p, 5) ndarray of float
+        Spatial phase, from −¼ to ¾, y, z, amplitude and upstroke span ratio of each.
+    wake : EndlessWake
+        The wake and the followers' steps.
+    forces : (p, 2) ndarray of float
+        Overwritten: lift and thrust, positive upstream.
+    """
+    places, jacobian = np.empty((4, wake.steps.shape[1])), np.empty((2, 5))
+    for i in range(points.shape[0]):
+        forces[i, 0], forces[i, 1] = endless_force_jacobian(points[i], wake, places, jacobian)
