@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from upwash import Bird
 from upwash.optimum.edges import edge_distance
 from upwash.optimum.local import BALANCED, SCALE, SOLVED, UNBALANCED, solve_local
-from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.problem import CORE2, DRAG, PairProblem, evaluate
 from upwash.optimum.search import Search
 
 # Near the V optimum of the ibis for force: x, y, z, h in semispans, R, |κ − ½|.
@@ -40,6 +41,13 @@ class Solver:
         residual = np.empty(2)
         evaluate(self.end, problem.lanes, edges, problem.constants, residual, np.empty(6), np.empty((2, 6)))
         return np.sum(np.abs(residual))
+
+    def imbalance_of_thrust(self):
+        problem = self.problem
+        edges = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+        residual = np.empty(2)
+        evaluate(self.end, problem.lanes, edges, problem.constants, residual, np.empty(6), np.empty((2, 6)))
+        return abs(residual[1]) / problem.constants[DRAG]
 
     def random_starts(self, count, seed=11):
         return Search(self.problem, seed).random_starts(self.problem.bounds, count)
@@ -128,3 +136,21 @@ def test_where_nothing_balances_a_solve_says_so(ibis):
     for start in solver.random_starts(20):
         assert solver(start) == UNBALANCED
         assert np.all(np.isfinite(solver.end)) and solver.imbalance() > 1e-3
+
+
+@pytest.mark.parametrize("objective", ["force", "power"])
+def test_thrust_balances_to_a_share_of_the_drag_however_small_that_is(objective):
+    """A long wave and a small stroke: the drag is a ten-thousandth of the weight."""
+    slow = Bird(
+        mass_kg=0.6,
+        semispan_m=1.0,
+        speed_m_s=10.0,
+        period_s=10.0,
+        density_kg_m3=1.2,
+        gravity_m_s2=9.81,
+        amplitude_m=0.01,
+        upstroke_span_ratio=0.4,
+    )
+    solver = Solver(PairProblem(slow, objective))
+    ends = [solver.imbalance_of_thrust() for start in solver.random_starts(300) if solver(start) == SOLVED]
+    assert ends and max(ends) <= 1e-10
