@@ -5,6 +5,7 @@ random places mostly are: it would show first in the one bird whose optimum happ
 """
 
 import math
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -218,3 +219,16 @@ def test_a_known_follower_with_a_wingtip_by_a_corner_is_not_excluded():
     assert cost == pytest.approx(1.0025921030752, abs=1e-12)
     for width in (1e-8, 3e-7, 1e-5):
         assert_is_not_excluded(problem, point, cost, width)
+
+
+def test_a_proof_ends_where_a_coordinate_is_large_against_the_box():
+    """Rounding of a coordinate of a thousand semispans is wider than the box that is left: it cannot shrink on."""
+    bird = Bird(0.6, 1.0, 10.0, 100.0, 1.2, 9.81, 1e-3, 0.4)
+    problem = PairProblem(bird)
+    box = problem.bounds.copy()
+    box[0] = 900.0
+    claims = []
+    proof = Thread(target=lambda: claims.append(certify.certify(problem, box, 2.0, 1e-4, 50)), daemon=True)
+    proof.start()
+    proof.join(100.0)
+    assert claims

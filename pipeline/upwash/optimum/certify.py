@@ -365,7 +365,7 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
         before = 1.0
         for i in range(6):
             widths[i] = 0.5 * (high[i] - low[i]) + ROUNDING * (abs(low[i]) + abs(high[i]))
-            before *= max(widths[i], 1e-12)
+            before *= max(0.5 * (high[i] - low[i]), 1e-12)
         for part in range(2):
             enclose_wake_force(
                 0.5 * (low[0] + high[0]),

@@ -138,7 +138,7 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, far, scra
         before = 1.0
         for i in range(6):
             widths[i] = 0.5 * (high[i] - low[i]) + ROUNDING * (abs(low[i]) + abs(high[i]))
-            before *= max(widths[i], 1e-12)
+            before *= max(0.5 * (high[i] - low[i]), 1e-12)
         up, down = 0.5 * (low[2] + high[2]), 0.5 * (low[3] + high[3])
         point[0] = 0.5 * (low[0] + high[0]) / wake.near.wavelength
         point[1], point[2], point[3] = 0.5 * (low[1] + high[1]), 0.5 * (up + down), up - down
