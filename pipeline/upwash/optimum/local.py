@@ -418,12 +418,14 @@ def solve_local(start, lanes, group, representative, constants, bounds, point, m
 def _settle(point, lanes, edges, constants, bounds, residual, gradient, jacobian):
     """Evaluate a balanced point; where the drag is small, move it first, by least steps, to the balance promised."""
     cost = evaluate(point, lanes, edges, constants, residual, gradient, jacobian)
-    for _ in range(MOST_SETTLING):
+    for taken in range(MOST_SETTLING):
         unbalanced = abs(residual[0]) + abs(residual[1]) > BALANCED
         if unbalanced or abs(residual[1]) <= PROMISED * constants[DRAG]:
             break
+        # Far astern a last digit of x alone may be too much; the others then settle what it leaves.
+        first = 0 if taken < MOST_SETTLING // 2 else 1
         lift2 = thrust2 = both = 0.0
-        for i in range(6):
+        for i in range(first, 6):
             if bounds[i, 0] < point[i] < bounds[i, 1]:
                 by_lift, by_thrust = jacobian[0, i] * SCALE[i], jacobian[1, i] * SCALE[i]
                 lift2 += by_lift * by_lift
@@ -434,7 +436,7 @@ def _settle(point, lanes, edges, constants, bounds, residual, gradient, jacobian
             break
         lift = (thrust2 * residual[0] - both * residual[1]) / determinant
         thrust = (lift2 * residual[1] - both * residual[0]) / determinant
-        for i in range(6):
+        for i in range(first, 6):
             if bounds[i, 0] < point[i] < bounds[i, 1]:
                 step = SCALE[i] * SCALE[i] * (jacobian[0, i] * lift + jacobian[1, i] * thrust)
                 point[i] = min(max(point[i] - step, bounds[i, 0]), bounds[i, 1])
