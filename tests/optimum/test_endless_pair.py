@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from upwash import Bird, SearchSettings, WakeModel, solve_pair
+from upwash import Bird, SearchSettings, WakeModel, load_species, solve_pair
 from upwash.optimum.compiled.endless_edges import edge_distance, edge_force, edge_pull
+from upwash.optimum.endless.evidence import gather_endless_evidence
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import EndlessSearch
 from upwash.optimum.proof import NOT_CLAIMED, PROVED
@@ -167,3 +168,18 @@ def test_a_branch_continued_past_a_core_edge_is_smooth_and_joins_the_force_there
             )
             assert shares[0] == pytest.approx(1e-3 * pull, rel=0.02, abs=1e-12)
             assert shares[1] == pytest.approx(2.0 * shares[0], rel=0.02, abs=1e-12)
+
+
+def test_an_optimum_on_a_core_edge_is_stationary_on_either_side_of_it():
+    """Its distance from the edge is a rounding error of either sign, and so is that of its mirror image."""
+    starling = load_species("common-starling").bird()
+    search = EndlessSearch(EndlessProblem(starling, "power", model=LIMIT))
+    search.explore_places(8)
+    best = search.basins[:2]
+    assert best[0].point[2] == pytest.approx(-best[1].point[2], abs=1e-3)
+    for basin in best:
+        for moved in (0.0, 1e-14, -1e-14):
+            point = basin.point + moved * np.array([1.0, 0.0, 1.0, 1.0, 0.0, 0.0])
+            evidence = gather_endless_evidence(search.problem, point)
+            assert evidence.core_edges
+            assert evidence.stationarity < 1e-6

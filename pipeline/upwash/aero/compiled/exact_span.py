@@ -27,6 +27,11 @@ STRENGTH = 7  # circulation, in the unit of circulation
 IS_DOWNSTROKE = 8  # 1 for the runs of a downstroke, 0 for those of an upstroke
 
 
+ON_EDGE = 1.0 + 1e-9
+"""Squared distance of a spanwise filament, in squared core radii, up to which slopes are those from inside its core: a
+point on the edge is told from inside however its distance is rounded."""
+
+
 class Core(NamedTuple):
     """The core of the filaments, by squared lengths.
 
@@ -176,7 +181,7 @@ def wind_of_runs(x, z, right, left, runs, core):
         The integrals of v_x and v_z over y from `left` to `right`, for a unit of circulation over 4π; their slopes
         over x and z (v_x by x, v_x by z, v_z by x, v_z by z); v_x at the right and at the left end, v_z at both.
     """
-    least, soft, per_radius2 = core.least, core.softening, core.per_radius2
+    least, soft, per_radius2, edge = core.least, core.softening, core.per_radius2, ON_EDGE * core.least
     count = runs.shape[1]
     gx = gz = gx_x = gx_z = gz_x = gz_z = xr = xl = zr = zl = 0.0
     down_top = down_low = up_top = up_low = 1.0
@@ -202,7 +207,7 @@ def wind_of_runs(x, z, right, left, runs, core):
             d, p0, p1 = az * x0 - ax * z0, ax * x0 + az * z0, ax * x1 + az * z1
             d2 = d * d + soft
             g0, g1 = 1.0 / (q0 if q0 > least else least), 1.0 / (q1 if q1 > least else least)
-            g0q, g1q = (g0 * g0 if q0 > least else 0.0), (g1 * g1 if q1 > least else 0.0)
+            g0q, g1q = (g0 * g0 if q0 > edge else 0.0), (g1 * g1 if q1 > edge else 0.0)
             on_right = _end_outside(1.0, p0, p1, d2, q0, q1, right, w)
             on_left = _end_outside(-1.0, p0, p1, d2, q0, q1, left, w)
             part = _combine(
@@ -237,7 +242,7 @@ def wind_of_runs(x, z, right, left, runs, core):
             d, p0, p1 = az * x0 - ax * z0, ax * x0 + az * z0, ax * x1 + az * z1
             d2 = d * d + soft
             g0, g1 = 1.0 / (q0 if q0 > least else least), 1.0 / (q1 if q1 > least else least)
-            g0q, g1q = (g0 * g0 if q0 > least else 0.0), (g1 * g1 if q1 > least else 0.0)
+            g0q, g1q = (g0 * g0 if q0 > edge else 0.0), (g1 * g1 if q1 > edge else 0.0)
             on_right = _end_anywhere(1.0, p0, p1, d2, q0, q1, right, w, least, per_radius2)
             on_left = _end_anywhere(-1.0, p0, p1, d2, q0, q1, left, w, least, per_radius2)
             beside = on_right[8] + on_left[8]

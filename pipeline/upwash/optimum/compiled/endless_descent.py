@@ -365,6 +365,12 @@ def solve_endless(start, wake, constants, stations, bounds, point, multipliers):
                             slopes[k, i] = -slopes[k, i]
             if not crossed:
                 break
+        if not solved:
+            # Too many edges meet within reach: fewer do within a smaller one.
+            trust *= 0.3
+            if trust < 1e-11:
+                break
+            continue
         largest = max(abs(new_multipliers[0]), abs(new_multipliers[1]))
         for edge in range(edge_count):
             pins[edge] = 0.0

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from upwash.aero.compiled.endless import HEIGHT, SHIFT, SPAN_FIXED, SPAN_FLEXED, WEIGHT
+from upwash.aero.compiled.exact_span import ON_EDGE
 from upwash.kernel import kernel
 
 # Rows of an array of stations; each column is one.
@@ -81,21 +82,17 @@ def edge_force(point, wake, stations, edge, side, force, jacobian):
     height, flexed = wake.steps[HEIGHT, step], wake.steps[SPAN_FLEXED, step]
     z = point[2] + height * point[3] - stations[window, STATION_Z, station]
     q = x * x + z * z
-    if (side > 0 and q > core2) or (side < 0 and q <= core2):
-        return
     span = wake.steps[SPAN_FIXED, step] + flexed * point[4]
     begins, strength = stations[window, BEGINS, station], stations[window, BEGINS_STRENGTH, station]
     ends, end_strength = stations[window, ENDS, station], stations[window, ENDS_STRENGTH, station]
     right, right_q, right_e = _corner_sum(point[1] + span, q, begins, strength, ends, end_strength)
     left, left_q, left_e = _corner_sum(point[1] - span, q, begins, strength, ends, end_strength)
     size, by_q = right - left, right_q - left_q
-    # What is added to 1 / max(q, core²), and its slope by q.
-    if side == 0:
-        share, share_q = 1.0 / core2, 0.0
-    elif side > 0:
-        share, share_q = 1.0 / q - 1.0 / core2, -1.0 / (q * q)
-    else:
-        share, share_q = 1.0 / core2 - 1.0 / q, 1.0 / (q * q)
+    # What is added to 1 / max(q, core²), and to its slope by q, which on the edge is that from inside.
+    share, share_q = (1.0 / q, -1.0 / (q * q)) if side > 0 else (1.0 / core2, 0.0)
+    if side != 0:
+        share -= 1.0 / max(q, core2)
+        share_q += 1.0 / (q * q) if q > ON_EDGE * core2 else 0.0
     weight = wake.steps[WEIGHT, step]
     value, slope = weight * share * size, weight * (share * by_q + share_q * size)
     by_y, by_r = weight * share * (right_e - left_e), weight * share * flexed * (right_e + left_e)

@@ -45,6 +45,7 @@ from upwash.aero.compiled.exact_span import (
     FIRST_Z,
     HALF_WIDTH,
     LAST_X,
+    ON_EDGE,
     STRENGTH,
 )
 from upwash.aero.induction import FAST
@@ -191,7 +192,7 @@ def station_radius(x, z, right, left, wx, wz, we, stations, core2, soft):
     aside2 = wx * wx + wz * wz
     whole2 = aside2 + we * we
     aside, whole = math.sqrt(aside2), math.sqrt(whole2)
-    edge, bend = math.sqrt(core2), (3.0 if soft > 0.0 else 2.0)
+    edge, bend, rim = math.sqrt(core2), (3.0 if soft > 0.0 else 2.0), ON_EDGE - 1.0
     right, left = abs(right), abs(left)
     for i in range(stations.shape[1]):
         x0, z0 = abs(x - stations[STATION_X, i]), abs(z - stations[STATION_Z, i])
@@ -205,9 +206,9 @@ def station_radius(x, z, right, left, wx, wz, we, stations, core2, soft):
         per_m = 1.0 / m
         root = math.sqrt(per_m)
         straight = 0.0 if q_high < core2 else 0.5 * bend * per_m * root * size * aside2
-        # Where the box crosses the core's edge the slope jumps there.
-        beyond = aside - abs(math.sqrt(x0 * x0 + z0 * z0) - edge)
-        crosses = q_low < core2 and q_high > core2 and beyond > 0.0
+        # Where the box crosses the core's edge the slope jumps there; on the edge it is that from inside.
+        beyond = aside - abs(math.sqrt(x0 * x0 + z0 * z0) - edge) + rim * edge
+        crosses = q_low < core2 * (1.0 + 2.0 * rim) and q_high > core2 and beyond > 0.0
         straight += 2.0 * per_m * size * beyond if crosses else 0.0
         steep = 2.0 * per_m * size * aside
         # Where a corner may lie in the box the curve is infinite, or infinity times nought; the other bound holds.

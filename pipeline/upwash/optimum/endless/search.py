@@ -90,6 +90,10 @@ class EndlessSearch:
         """Solve from each start within the problem's bounds and keep the basins."""
         self.basins = merge_basins(self.basins + self.descend(starts))
 
+    def keep(self, basin: Basin) -> None:
+        """Keep a basin that was found elsewhere."""
+        self.basins = merge_basins([*self.basins, basin])
+
     def explore_places(self, count: int) -> None:
         """Solve from so many starts outboard and inboard."""
         for side in ((0.0, OUTBOARD), (OUTBOARD, self.problem.bounds[1, 1])):

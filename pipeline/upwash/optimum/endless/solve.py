@@ -134,6 +134,7 @@ def _prove(
         if certificate.found is None:
             break
         best = certificate.found
+        search.keep(best)
         search.explore(best.point[None, :])
         if certificate.is_closed:
             break
