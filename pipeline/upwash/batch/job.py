@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import errno
 import math
-import os
-import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -31,9 +29,6 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 Answer = tuple[str, str, Sequence[Mapping[str, Any]]]
 """What a solver returns: status, what went wrong or "", and rows of the solution's columns."""
-
-# A worker whose parent is gone has nobody to give its results to; it looks this often.
-PARENT_CHECK_S = 0.5
 
 UNFIT = f"{BrokenContract.__name__}: "
 """How the error begins of a job whose solver returned what cannot be stored."""
@@ -183,7 +178,7 @@ def _result(job: Job, rows: list[Row], seconds: float) -> Result:
 
 
 def run_batch(
-    jobs: Sequence[Job], sweep_text: str, budget_s: float, parent: int | None, place: str | None = None
+    jobs: Sequence[Job], sweep_text: str, budget_s: float, place: str | None = None
 ) -> tuple[list[Bundle], list[Job]]:
     """Run jobs one after another until the time is up, in a worker.
 
@@ -195,8 +190,6 @@ def run_batch(
         The sweep's own text, for the files' metadata.
     budget_s : float
         Time after which no further job is begun, in s.
-    parent : int or None
-        Process that this one must not outlive, if it is a child of it.
     place : str or None
         Folder in which a solver of the user's own may lie, if not here.
 
@@ -210,8 +203,6 @@ def run_batch(
     EnvironmentFault
         If the machine was at fault at the first job. At a later one, what was finished before it is returned.
     """
-    if parent is not None:
-        _die_with(parent)
     if place is not None:
         make_importable(place)
     solved: list[tuple[Job, list[Row], float]] = []
@@ -320,24 +311,6 @@ def flock_of(job: Job) -> FlockSolution:
         model=job.model,
         search=job.search,
     )
-
-
-_watching = False
-
-
-def _die_with(parent: int) -> None:
-    """End this process soon after its parent has ended, however that came about."""
-    global _watching
-    if _watching:
-        return
-    _watching = True
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(PARENT_CHECK_S)
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 # What a stored row must be, from its inputs and its solution alone: by the plain statement of the physics,

@@ -285,8 +285,8 @@ class _Run:
         self.flying[batch[0].job_id] = batch
         self.handed += len(batch)
         # Workers of dask may be on other machines, and what they find is in a folder of their own.
-        parent, place = (os.getpid(), os.getcwd()) if self.options.backend == LOKY else (None, None)
-        return delayed(run_batch)(batch, self.gathering.sweep_text, BATCH_S, parent, place)
+        place = os.getcwd() if self.options.backend == LOKY else None
+        return delayed(run_batch)(batch, self.gathering.sweep_text, BATCH_S, place)
 
     def batches(self) -> Iterator[Any]:
         """Hand out batches; called from joblib's threads, one at a time."""

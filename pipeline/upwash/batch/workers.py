@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import threading
 import time
 import warnings
 from collections.abc import Iterator
@@ -18,6 +20,9 @@ LOKY, DASK = "loky", "dask"
 CONNECT_TIMEOUT_S = 5
 WORKERS_TIMEOUT_S = 10
 SETTLE_TIMEOUT_S = 1
+
+PARENT_CHECK_S = 0.5
+"""A worker whose parent is gone has nobody to give its results to; it looks this often."""
 
 
 @contextmanager
@@ -42,7 +47,9 @@ def workers(backend: str, scheduler: str = "") -> Iterator[type[BaseException]]:
         If dask is not installed, or no scheduler or no worker answers.
     """
     if backend == LOKY:
-        with parallel_config(backend=LOKY, inner_max_num_threads=1):
+        with parallel_config(
+            backend=LOKY, inner_max_num_threads=1, initializer=_die_with, initargs=(os.getpid(),)
+        ):
             yield BrokenProcessPool
         return
     try:
@@ -98,6 +105,17 @@ def stop(pool: Parallel, outputs: Any) -> None:
         # joblib need not warn of tasks that were not finished.
         warnings.simplefilter("ignore")
         outputs.close()
+
+
+def _die_with(parent: int) -> None:
+    """End this process soon after its parent has ended, however that came about, also when it never had a task."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(PARENT_CHECK_S)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _has_workers(client: Any) -> bool:
