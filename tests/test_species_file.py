@@ -5,6 +5,8 @@ import json
 import math
 import os
 import re
+import tempfile
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -291,11 +293,8 @@ class TestMalformed:
             os.mkfifo(path)
         assert_one_helpful_line(checked(path), str(path), "species file")
 
-    @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may read every file")
-    def test_a_file_that_may_not_be_read(self, tmp_path):
-        path = tmp_path / "bird.toml"
-        path.write_text(IBIS, encoding="utf-8")
-        path.chmod(0)
+    def test_a_file_that_may_not_be_read(self, as_nobody):
+        path = as_nobody / "bird.toml"
         assert_one_helpful_line(checked(path), str(path), "permission")
 
     def test_a_path_with_a_line_break_stays_one_line(self, tmp_path):
@@ -367,6 +366,24 @@ class TestOtherNames:
     def test_as_an_input_that_is_set(self, name, says):
         result = CliRunner().invoke(main, ["optimum", "mute-swan", "--set", f"{name}=1"])
         assert_one_helpful_line(result, says)
+
+
+@pytest.fixture
+def as_nobody():
+    """A folder with a species file that may not be read, not even by the superuser, who is nobody meanwhile."""
+    with tempfile.TemporaryDirectory() as folder:
+        os.chmod(folder, 0o755)
+        path = Path(folder, "bird.toml")
+        path.write_text(IBIS, encoding="utf-8")
+        path.chmod(0)
+        is_superuser = os.geteuid() == 0
+        if is_superuser:
+            os.seteuid(65534)
+        try:
+            yield Path(folder)
+        finally:
+            if is_superuser:
+                os.seteuid(0)
 
 
 class TestFinding:
