@@ -73,9 +73,10 @@ def _end_outside(sign, p0, p1, d2, q0, q1, e, w):
     # (p₀ + n₀l)(p₁ + n₁r) / (p₁ + n₁l)(p₀ + n₀r), each factor written so that it does not cancel where p < 0.
     top = (p0 + n0l if p0 > 0.0 else n0r - p0) * (p1 + n1r if p1 > 0.0 else n1l - p1)
     low = (p1 + n1l if p1 > 0.0 else n1r - p1) * (p0 + n0r if p0 > 0.0 else n0l - p0)
-    # Where p < 0, (p + n) = r / (n − p): r is left over unless both stations have it.
-    top *= (rl if p0 <= 0.0 else 1.0) * (rr if p1 <= 0.0 else 1.0)
-    low *= (rr if p0 <= 0.0 else 1.0) * (rl if p1 <= 0.0 else 1.0)
+    # Where p < 0, (p + n) = r / (n − p): r is left over unless both stations have it, or none.
+    is_beside = p0 > 0.0 and p1 <= 0.0
+    top *= rr if is_beside else 1.0
+    low *= rl if is_beside else 1.0
     return (
         sign * (n0l - n0r),
         sign * (n1l - n1r),
@@ -113,8 +114,9 @@ def _end_anywhere(sign, p0, p1, d2, q0, q1, e, w, least, per_radius2):
     fl, fr = (p0 * i0l - p1 * i1l) * per_m * mr, (p0 * i0r - p1 * i1r) * per_m * ml
     top = (p0 + v0l if p0 > 0.0 else v0r - p0) * (p1 + v1r if p1 > 0.0 else v1l - p1)
     low = (p1 + v1l if p1 > 0.0 else v1r - p1) * (p0 + v0r if p0 > 0.0 else v0l - p0)
-    top *= (ml if p0 <= 0.0 else 1.0) * (mr if p1 <= 0.0 else 1.0)
-    low *= (mr if p0 <= 0.0 else 1.0) * (ml if p1 <= 0.0 else 1.0)
+    is_beside = p0 > 0.0 and p1 <= 0.0
+    top *= mr if is_beside else 1.0
+    low *= ml if is_beside else 1.0
     # What the core takes from the distances and adds to their reciprocals; nothing outside.
     l0, r0, l1, r1 = n0l - v0l, n0r - v0r, n1l - v1l, n1r - v1r
     beside = (p0 * (r0 - l0) - p1 * (r1 - l1)) * per_radius2
@@ -185,15 +187,20 @@ def wind_of_runs(x, z, right, left, runs, core):
     count = runs.shape[1]
     gx = gz = gx_x = gx_z = gz_x = gz_z = xr = xl = zr = zl = 0.0
     down_top = down_low = up_top = up_low = 1.0
+    # No tip filament is nearer than it is aside; only where one may be within its core are all looked at.
     nearest = np.inf
-    for i in range(count):
-        d = runs[ALONG_Z, i] * (x - runs[FIRST_X, i]) - runs[ALONG_X, i] * (z - runs[FIRST_Z, i])
-        a, b = abs(right + runs[HALF_WIDTH, i]), abs(right - runs[HALF_WIDTH, i])
-        c, e = abs(left + runs[HALF_WIDTH, i]), abs(left - runs[HALF_WIDTH, i])
-        a, c = (a if a < b else b), (c if c < e else e)
-        a = a if a < c else c
-        r = d * d + a * a
-        nearest = r if r < nearest else nearest
+    for i in (0, count - 1):
+        for e in (right, left):
+            aside = abs(e) - runs[HALF_WIDTH, i]
+            nearest = min(nearest, aside * aside)
+    if nearest + soft <= least:
+        nearest = np.inf
+        for i in range(count):
+            d = runs[ALONG_Z, i] * (x - runs[FIRST_X, i]) - runs[ALONG_X, i] * (z - runs[FIRST_Z, i])
+            a, b = abs(abs(right) - runs[HALF_WIDTH, i]), abs(abs(left) - runs[HALF_WIDTH, i])
+            a = a if a < b else b
+            r = d * d + a * a
+            nearest = r if r < nearest else nearest
     if nearest + soft > least:
         for i in range(count):
             ax, az, w = runs[ALONG_X, i], runs[ALONG_Z, i], runs[HALF_WIDTH, i]

@@ -70,9 +70,7 @@ def solve_endless_pair(problem: EndlessProblem, settings: SearchSettings) -> Pai
     unit = problem.leader_cost
     v_wall = _walls(v_region, v_best[0] if v_best else None, v_bounds, problem.bounds)
     v_gap = v_best[0].cost / v_region.lower_bound - 1.0 if v_best else None
-    region_gap = v_gap
-    if v_region.best and (v_wall or not v_best):
-        region_gap = v_region.best.cost / v_region.lower_bound - 1.0
+    region_gap = v_region.best.cost / v_region.lower_bound - 1.0 if v_region.best else None
     proof = Proof(
         v_lower_bound=v_region.lower_bound * unit,
         v_region_certified_gap=region_gap,
