@@ -3,7 +3,7 @@
 A seeded sample of one-line faults is drawn evenly over the rooms of the package: an operator exchanged, a comparison
 shifted or turned round, a number changed by one, a condition negated, a loop left early.  Each is put into a copy of
 the tree, and the tests that are meant for its room are run there until one fails.  What is done is written down at
-once, so that an interrupted run goes on where it stopped; a commit, a seed or a count of its own begins anew.
+once, so that an interrupted run goes on where it stopped; other code, another seed or another count begins anew.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import random
 import shutil
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import SimpleQueue
@@ -30,21 +31,33 @@ ROOT = Path(__file__).parents[1]
 PACKAGE = Path("pipeline", "upwash")
 KEPT = ROOT / ".mutants"
 
-# Room of the package -> the tests that are meant for it.
+# Room of the package -> the tests that are meant for it, those that take seconds first.  The tests named after the
+# module that holds a fault are asked before the others.
 TESTS = {
-    "aero": ["tests/aero"],
-    "optimum": ["tests/optimum"],
-    "species": [
-        "tests/test_species_file.py",
-        "tests/test_species_library.py",
-        "tests/test_species_command.py",
+    "species": ["test_species_library.py", "test_species_command.py", "test_species_file.py"],
+    "sweep": ["test_sweep.py", "test_sweep_identity.py", "test_sweep_mistakes.py", "test_checked_before.py"],
+    "cli": [
+        *(
+            "test_cli_contract.py",
+            "test_species_command.py",
+            "test_optimum_command.py",
+            "test_flock_command.py",
+        ),
+        *("test_options.py", "test_bad_input.py", "batch/test_store.py", "batch/test_compare.py"),
+        *("batch/test_merge.py", "batch/test_run.py", "batch/test_check.py", "batch/test_recovery.py"),
+        *("report/test_pictures.py", "paper/test_claims.py", "test_broken_environments.py"),
+        "test_reproduce.py",
     ],
-    "sweep": ["tests/test_sweep.py", "tests/test_sweep_mistakes.py", "tests/test_sweep_identity.py"],
-    "batch": ["tests/batch"],
-    "study": ["tests/study"],
-    "cli": ["tests/test_cli_contract.py", "tests/test_bad_input.py", "tests/test_optimum_command.py"],
+    "study": ["study/test_sensitivity.py", "study/test_comparison.py", "paper", "study", "report"],
+    "batch": [
+        *("batch/test_store.py", "batch/test_compare.py", "batch/test_dry_run.py", "batch/test_recovery.py"),
+        *("batch/test_run.py", "batch/test_merge.py", "batch/test_check.py", "batch/test_reading_back.py"),
+        *("test_checked_before.py", "batch"),
+    ],
+    "aero": ["aero"],
+    "optimum": ["optimum", "test_optimum_command.py", "test_flock_command.py"],
 }
-TEST_TIMEOUT_S = 1200
+LEAST_TIMEOUT_S = 300.0
 
 # Faults that people make; no shifts of bits, and no decorator left out.
 ARITHMETIC = [("Add", "Sub"), ("Sub", "Add"), ("Mul", "Div"), ("Div", "Mul"), ("Pow", "Mul"), ("Mod", "Mul")]
@@ -131,22 +144,41 @@ def copy_tree(folder: Path) -> None:
             shutil.copy2(ROOT / name, folder / name)
 
 
-def is_noticed(fault: Fault, folder: Path) -> bool:
+def is_noticed(fault: Fault, folder: Path, timeout_s: float) -> bool:
     """Put a fault into a copy of the tree, run the tests of its room there, and take it out again."""
     module = folder / fault["module"]
     source = module.read_text(encoding="utf-8")
     module.write_text(mutated_code(fault, source), encoding="utf-8")
-    environment = os.environ | {"PYTHONPATH": str(folder / "pipeline"), "PYTHONDONTWRITEBYTECODE": "1"}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *TESTS[fault["room"]]]
     try:
-        done = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, timeout=TEST_TIMEOUT_S, check=False
-        )
-        return done.returncode != 0
-    except subprocess.TimeoutExpired:
-        return True
+        return not passes(tests_for(fault), folder, timeout_s)
     finally:
         module.write_text(source, encoding="utf-8")
+
+
+def tests_for(fault: Fault) -> list[str]:
+    """Return the tests of a fault's room, those named after its module first."""
+    name = Path(fault["module"]).stem
+    return sorted(TESTS[fault["room"]], key=lambda path: name not in Path(path).stem)
+
+
+def passes(tests: list[str], folder: Path, timeout_s: float | None = None) -> bool:
+    """Whether tests pass in a copy of the tree, and within a time."""
+    environment = os.environ | {
+        "PYTHONPATH": str(folder / "pipeline"),
+        "PYTHONDONTWRITEBYTECODE": "1",
+        # What one copy compiled serves the others: it is found by what it was compiled from.
+        "NUMBA_CACHE_DIR": str(KEPT / "kernels"),
+    }
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
+    command += [f"tests/{path}" for path in tests if (folder / "tests" / path).exists()]
+    with (folder / "tests.log").open("w") as log:
+        try:
+            done = subprocess.run(
+                command, cwd=folder, env=environment, stdout=log, stderr=log, timeout=timeout_s, check=False
+            )
+        except subprocess.TimeoutExpired:
+            return False
+    return done.returncode == 0
 
 
 def mutated_code(fault: Fault, source: str) -> str:
@@ -166,37 +198,58 @@ def difference(fault: Fault) -> str:
 
 
 @click.command()
-@click.option("--count", default=100, show_default=True, help="Faults to put in.")
+@click.option("--count", default=100, show_default=True, help="Faults to put in, over all rooms.")
 @click.option("--seed", default=0, show_default=True, help="Seed of the sample.")
 @click.option("--workers", default=2, show_default=True, help="Faults tried at the same time.")
-def main(count: int, seed: int, workers: int) -> None:
+@click.option("--room", "rooms", type=click.Choice(list(TESTS)), multiple=True, help="This room's alone.")
+@click.option("--again", is_flag=True, help="Try those again that were not noticed, as after adding a test.")
+def main(count: int, seed: int, workers: int, rooms: tuple[str, ...], again: bool) -> None:
     """Put a sample of faults into the code and print how many the tests notice, by room, and the survivors."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True)
-    record = KEPT / f"{commit.stdout.strip()}-{seed}-{count}.jsonl"
+    code = subprocess.run(
+        ["git", "rev-parse", "--short", f"HEAD:{PACKAGE}"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    record = KEPT / f"{code.stdout.strip()}-{seed}-{count}.jsonl"
     record.parent.mkdir(exist_ok=True)
     lines = record.read_text(encoding="utf-8").splitlines() if record.exists() else []
-    done = {key_of(fault): fault for fault in map(json.loads, lines)}
-    sample = draw(count, seed)
+    done = {key_of(fault): fault for fault in map(json.loads, lines) if fault["noticed"] or not again}
+    sample = [fault for fault in draw(count, seed) if not rooms or fault["room"] in rooms]
+    left = [fault for fault in sample if key_of(fault) not in done]
     folders: SimpleQueue[Path] = SimpleQueue()
     for number in range(workers):
         copy_tree(KEPT / f"tree-{number}")
         folders.put(KEPT / f"tree-{number}")
+    timeouts_s = {}
+    for room in dict.fromkeys(fault["room"] for fault in left):
+        begun = time.monotonic()
+        if not passes(TESTS[room], KEPT / "tree-0"):
+            raise click.ClickException(
+                f"{room}: expected its tests to pass before a fault is in, see {KEPT / 'tree-0' / 'tests.log'}"
+            )
+        taken_s = time.monotonic() - begun
+        click.echo(f"{room}: its tests take {taken_s:.0f} s", err=True)
+        timeouts_s[room] = LEAST_TIMEOUT_S + 5.0 * taken_s
 
     def attempt(fault: Fault) -> Fault:
         folder = folders.get()
+        begun = time.monotonic()
         try:
-            return fault | {"noticed": is_noticed(fault, folder)}
+            noticed = is_noticed(fault, folder, timeouts_s[fault["room"]])
+            return fault | {"noticed": noticed, "taken_s": round(time.monotonic() - begun, 1)}
         finally:
             folders.put(folder)
 
     with ThreadPoolExecutor(workers) as pool, record.open("a", encoding="utf-8") as file:
-        for fault in pool.map(attempt, [fault for fault in sample if key_of(fault) not in done]):
+        for fault in pool.map(attempt, left):
             done[key_of(fault)] = fault
             print(json.dumps(fault), file=file, flush=True)
             word = "noticed" if fault["noticed"] else "NOT NOTICED"
-            click.echo(f"{len(done)}/{len(sample)} {fault['module']}:{fault['line']} {word}", err=True)
+            click.echo(f"{fault['module']}:{fault['line']} {word} ({fault['taken_s']} s)", err=True)
     results = [done[key_of(fault)] for fault in sample]
-    for room in TESTS:
+    for room in rooms or TESTS:
         of_room = [fault for fault in results if fault["room"] == room]
         click.echo(f"{room:10} {sum(fault['noticed'] for fault in of_room):3} of {len(of_room):3} noticed")
     click.echo(f"{'all':10} {sum(fault['noticed'] for fault in results):3} of {len(results):3} noticed")

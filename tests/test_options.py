@@ -1,0 +1,219 @@
+"""Each option of each command changes something: what is solved, what is called, what is printed or what is written.
+
+The options are those that the commands declare, so that a new one without an effect fails here. What takes long is
+stood in for at the places where a command hands its work on; what an option then does there is tested with that.
+"""
+
+import re
+import shutil
+from contextlib import chdir
+
+import click
+import pytest
+from click.testing import CliRunner
+from report import studies
+from upwash import cli
+from upwash.batch.check import Checked
+from upwash.batch.dry_run import Foresight
+from upwash.batch.runner import Tally
+from upwash.errors import UpwashError
+
+IBIS = "northern-bald-ibis"
+RESULTS = "results/pair"
+JOB = studies.pair_rows()[0]["job_id"]
+
+# How each command is called without options, in a folder that holds a sweep and its results.
+CALLS = {
+    "species list": [],
+    "species show": ["mute-swan"],
+    "species check": [IBIS],
+    "species new": ["Common shelduck"],
+    "optimum": [IBIS],
+    "flock": [IBIS],
+    "field": [IBIS],
+    "animate": [IBIS],
+    "run": ["./sweep.toml"],
+    "merge": ["merged", RESULTS],
+    "status": [RESULTS],
+    "aggregate": [RESULTS],
+    "check": [RESULTS],
+    "show": [RESULTS, JOB],
+    "rerun": [RESULTS, JOB],
+    "diff": [RESULTS, RESULTS],
+    "page": [RESULTS],
+    "reproduce": [],
+    "claims": [RESULTS],
+}
+# What is chosen where it does not follow from the option's type.
+VALUES = {
+    "--set": "speed_m_s=14",
+    "--tolerance": "1e-3",
+    "--results": "elsewhere",
+    "--output": "elsewhere.gif",
+    "--folder": "elsewhere",
+    "--shard": "2/3",
+    "--size": "9",
+}
+# An option that needs another: how the command is called without its effect, and with it.
+TOGETHER = {
+    ("run", "--backend"): ([], ["--backend", "dask", "--scheduler", "tcp://one:1"]),
+    ("run", "--scheduler"): tuple(
+        ["--backend", "dask", "--scheduler", address] for address in ("tcp://one:1", "tcp://two:2")
+    ),
+}
+# What an option of a single problem changes in its job, and nothing else.
+IN_THE_JOB = {
+    "--objective": ("power", {"objective": "power"}),
+    "--amplitude": ("strouhal", {"amplitude_convention": "strouhal"}),
+    "--set": ("speed_m_s=14", {"speed_m_s": 14.0}),
+    "--seed": ("7", {"seed": 7}),
+    "--tolerance": ("1e-3", {"tolerance": 1e-3}),
+    "--birds": ("3", {"birds": 3}),
+    "--shape": ("vee", {"shape": "vee"}),
+    "--wake": ("all-upstream", {"wake": "all-upstream"}),
+    "--wavelengths": ("2", {"wavelengths": 2}),
+    "--reading": ("lone", {"reading": "lone"}),
+}
+
+
+def options_of(path):
+    """Return the options that a command declares, by their long name."""
+    command = cli.main
+    for name in path.split():
+        command = command.get_command(click.Context(command), name)
+    return {one.opts[0]: one for one in command.params if isinstance(one, click.Option)}
+
+
+def paths():
+    for name in (name for commands in cli.COMMANDS.values() for name in commands):
+        command = cli.main.get_command(click.Context(cli.main), name)
+        yield from (
+            (f"{name} {sub}" for sub in command.commands) if isinstance(command, click.Group) else [name]
+        )
+
+
+OPTIONS = [(path, name) for path in paths() for name in options_of(path)]
+# It prints when all of the paper is solved: test_reproduce.py.
+STOPPED = ("reproduce", "--json")
+OF_A_JOB = [
+    (path, name)
+    for path, name in OPTIONS
+    if path in ("optimum", "flock", "field", "animate") and name in IN_THE_JOB
+]
+
+
+def chosen(path, name):
+    """Return how a command is called with an option at another value than its default."""
+    option = options_of(path)[name]
+    if option.is_flag:
+        return [name]
+    if name in VALUES:
+        return [name, VALUES[name]]
+    if isinstance(option.type, click.Choice):
+        return [name, next(value for value in option.type.choices if value != option.default)]
+    assert isinstance(option.type, click.IntRange), f"{path} {name}: give it a value in VALUES"
+    return [name, str(option.default + 1)]
+
+
+@pytest.fixture(scope="module")
+def template(tmp_path_factory):
+    """A folder that holds a sweep and its results."""
+    folder = tmp_path_factory.mktemp("options")
+    studies.write_folder(folder / RESULTS, studies.pair_rows())
+    (folder / "sweep.toml").write_text(f'species = "{IBIS}"\n', encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def see(template, tmp_path, monkeypatch):
+    """Return a function that runs a command and returns all that can be seen of it: calls, words, files."""
+    calls = []
+
+    def stand_in(target, answer):
+        def called(*given, **named):
+            plain = [
+                one for one in (*given, *named.values()) if not callable(one) and not hasattr(one, "write")
+            ]
+            calls.append((target, *map(str, plain)))
+            return answer(*given)
+
+        monkeypatch.setattr(target, called)
+
+    def stop(*given):
+        raise UpwashError("far enough")
+
+    def rows(job):
+        if job.flock:
+            return studies.complete(studies.flock_rows(job.flock.birds)[: job.flock.birds], "flock")
+        return studies.complete([one for one in studies.pair_rows() if one["objective"] == "force"], "pair")
+
+    stand_in("upwash.batch.job.solve", rows)
+    stand_in("upwash.batch.job.run_job", rows)
+    stand_in("upwash.batch.job.flock_of", lambda job: job)
+    stand_in("upwash.optimum.joint.improve_together", stop)
+    stand_in("upwash.report.figures.catalogue.save_all", lambda *given: [])
+    stand_in("upwash.report.animation.write_animation", lambda birds, path: None)
+    stand_in("upwash.batch.runner.run_sweep", lambda *given: Tally(jobs=1, kept=0))
+    stand_in("upwash.batch.dry_run.foresee", lambda *given: Foresight(1, 1, None, 2, "nothing", False))
+    stand_in("upwash.batch.check.check", lambda *given: Checked())
+    stand_in("upwash.report.page.write_page", lambda *given: "index.html")
+    stand_in("upwash.cli.reproduce.solve_and_check", stop)
+
+    def run(path, options):
+        calls.clear()
+        folder = tmp_path / "here"
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(template, folder)
+        with chdir(folder):
+            result = CliRunner().invoke(cli.main, [*path.split(), *CALLS[path], *options])
+        if result.exception and not isinstance(result.exception, SystemExit):
+            raise result.exception
+        # The names of what was gathered end by chance.
+        files = sorted(
+            re.sub("-[0-9a-f]{8}[.]", ".", str(one.relative_to(folder))) for one in folder.rglob("*")
+        )
+        return result.exit_code, result.stdout, result.stderr, tuple(calls), files
+
+    return run
+
+
+SEEN = {}
+
+
+@pytest.mark.parametrize(("path", "name"), [one for one in OPTIONS if one != STOPPED])
+def test_an_option_changes_something(see, path, name):
+    without, with_it = TOGETHER[path, name] if (path, name) in TOGETHER else ([], chosen(path, name))
+    if (path, *without) not in SEEN:
+        SEEN[path, *without] = see(path, without)
+        # Else any option would seem to change something.
+        assert see(path, without) == SEEN[path, *without]
+    after = see(path, with_it)
+    assert after != SEEN[path, *without]
+    assert "No such option" not in after[2] and "Invalid value" not in after[2]
+
+
+@pytest.mark.parametrize(("path", "name"), OF_A_JOB)
+def test_an_option_of_a_problem_changes_its_own_input_alone(monkeypatch, path, name):
+    jobs = []
+
+    def solve(job):
+        jobs.append(job.inputs())
+        raise UpwashError("far enough")
+
+    monkeypatch.setattr("upwash.batch.job.solve", solve)
+    value, expected = IN_THE_JOB[name]
+    for options in ([], [name, value]):
+        CliRunner().invoke(cli.main, [path, IBIS, *options])
+    before, after = jobs
+    assert {key for key in after if after[key] != before[key]} == set(expected)
+    assert {key: after[key] for key in expected} == expected
+
+
+@pytest.mark.parametrize(("path", "name"), OPTIONS)
+def test_a_least_and_most_number_are_taken_and_what_is_beyond_is_not(monkeypatch, path, name):
+    option = options_of(path)[name]
+    for bound, step in ((getattr(option.type, "min", None), -1), (getattr(option.type, "max", None), 1)):
+        if bound is not None:
+            assert option.type.convert(bound, option, None) == bound
+            with pytest.raises(click.BadParameter):
+                option.type.convert(bound + step, option, None)
