@@ -307,3 +307,15 @@ def test_failed_and_infeasible_jobs_are_in_order(bench):
     bench("aggregate", "results/sweep")
     assert "2 jobs, all in order" in bench("check", "results/sweep")[1]
     assert store.SUMMARY.names[-1] == "optima_found"
+
+
+def test_inputs_that_make_no_bird_have_nothing_to_prove(bench):
+    """A dunlin would have to flap through more than 90° to reach the ibis's Strouhal number."""
+    (bench.folder / "sweep.toml").write_text(
+        'species = "dunlin"\nobjective = "force"\namplitude = "strouhal"\n'
+    )
+    bench.run()
+    bench("aggregate", "results/sweep")
+    assert "1 jobs, all in order" in bench("check", "results/sweep", "--prove")[1].replace(
+        "1 job,", "1 jobs,"
+    )

@@ -103,6 +103,11 @@ def alike(rows: Sequence[Row]) -> list[tuple[int, int]]:
     return same(problems[0], [_pose(row) for row in rows]) if problems else []
 
 
+def makes_a_bird(row: Row) -> bool:
+    """Whether the inputs that a row holds are those of a bird that can fly."""
+    return not isinstance(job_of(row).bird, NoBird)
+
+
 def why_infeasible(row: Row) -> str | None:
     """Return what an infeasible row's error must say; None if it does not say what was proved."""
     from upwash.batch.job import NO_BALANCE
