@@ -260,3 +260,50 @@ def test_whatever_a_bird_may_be_has_finite_forces(name, value):
     numbers = [bird.weight_n, bird.drag_n, bird.circulation_m2_s, bird.lift_n(0.4), bird.thrust_n(0.1, 0.4)]
     assert all(map(math.isfinite, numbers))
     assert bird.lift_n(bird.upstroke_span_ratio) == pytest.approx(bird.weight_n, rel=1e-12)
+
+
+# Least and most of each input, both of them allowed; the last digit is that of the number's kind.
+REACH = (1e-9, 1e9)
+ENDS = {
+    **dict.fromkeys(
+        ("mass_kg", "semispan_m", "speed_m_s", "period_s", "density_kg_m3", "gravity_m_s2"), REACH
+    ),
+    "amplitude_m": REACH,
+    "stroke_half_angle_deg": (1e-9, 90.0),
+    "upstroke_span_ratio": (1e-9, math.nextafter(1.0, 0.0)),
+    "circulation_ratio": (0.0, 1e9),
+    "core_radius_ratio": (1e-3, 1.0),
+    "span_nodes": (2, 1000),
+    "stroke_states": (2, 2),
+    "seed": (0, 2**63 - 1),
+    "tolerance": (1e-12, math.nextafter(1.0, 0.0)),
+    "birds": (2, 1000),
+    "wavelengths": (1, 1000),
+}
+
+
+@pytest.mark.parametrize("name", [*PARAMETERS, *CHOICES])
+def test_an_input_reaches_to_its_ends_and_no_further(name):
+    for end, beyond in zip(ENDS[name], (-math.inf, math.inf), strict=True):
+        step = 1 if beyond > 0 else -1
+        assert is_legal(name, end)
+        assert not is_legal(name, end + step if isinstance(end, int) else math.nextafter(end, beyond))
+
+
+@pytest.mark.parametrize(
+    ("name", "most", "is_most_allowed"),
+    [
+        ("amplitude_m", 2.0 * BIRD.semispan_m, True),
+        ("stroke_half_angle_deg", 90.0, True),
+        # From there on a lone bird makes no thrust.
+        ("upstroke_span_ratio", math.pi / 4.0, False),
+    ],
+)
+def test_a_stroke_reaches_to_where_wings_can_make_it(name, most, is_most_allowed):
+    inner, outer = math.nextafter(most, 0.0), math.nextafter(most, math.inf)
+    allowed, refused = (most, outer) if is_most_allowed else (inner, most)
+    assert IBIS.bird("stroke-angle", **{name: allowed})
+    with pytest.raises(UpwashError, match=name.partition("_half")[0]):
+        IBIS.bird("stroke-angle", **{name: refused})
+    assert QUANTITIES["stroke_half_angle"].rule.broken_by(90.0) == ""
+    assert QUANTITIES["upstroke_span_ratio"].rule.broken_by(math.pi / 4.0) != ""

@@ -13,6 +13,36 @@ from upwash.sweep.toml_lines import key_lines, line_of
 
 IBIS = 'species = "northern-bald-ibis"\n'
 
+SOBOL = '[{}sample]\nmethod = "sobol"\ncount = {}\n[{}sample.ranges]\n{}'
+# Key -> in the file, in a block, beside it, and an input of which the two have no value in common.
+OF_THE_FILE_AND_OF_A_BLOCK = {
+    "species": (IBIS, 'species = "mute-swan"', "", "species"),
+    "objective": ('objective = "power"', 'objective = "force"', "", "objective"),
+    "amplitude": ('amplitude = "strouhal"', 'amplitude = "stroke-angle"', "", "amplitude_convention"),
+    "seed": ("seed = 3", "seed = [4, 5]", "", "seed"),
+    "tolerance": ("tolerance = 1e-3", "tolerance = 1e-5", "", "tolerance"),
+    "grid": ("[grid]\nmass_kg = [1.1, 1.2]", "[block.grid]\nmass_kg = [1.4]", "", "mass_kg"),
+    "zip": ("[zip]\nmass_kg = [1.1, 1.2]", "[[block.zip]]\nmass_kg = [1.4]", "", "mass_kg"),
+    "sample": (
+        SOBOL.format("", 2, "", "mass_kg = [1.1, 1.2]"),
+        SOBOL.format("block.", 4, "block.", "mass_kg = [1.3, 1.4]"),
+        "",
+        "mass_kg",
+    ),
+    "exclude": (
+        "[[exclude]]\nseed = [1, 2]",
+        "[[block.exclude]]\nseed = [3, 4]",
+        "seed = [1, 2, 3, 4]\n",
+        "seed",
+    ),
+    "flock": (
+        '[flock]\nbirds = 3\nshape = "vee"',
+        "[block.flock]\nbirds = 4",
+        'kind = "flock"\n',
+        "birds",
+    ),
+}
+
 
 @pytest.fixture
 def jobs(tmp_path):
@@ -208,6 +238,36 @@ class TestBlocks:
         # Mass 1.3 kg with semispan 0.6 m is the ibis itself, in both blocks.
         assert len(found) == 4 + 2 - 1
         assert set(values(found, "speed_m_s")) == {14.0}
+
+    def test_a_blocks_fixed_value_comes_before_the_files(self, jobs):
+        text = IBIS + "[fixed]\nspeed_m_s = 14\nmass_kg = 1.2\n"
+        text += "[[block]]\n[block.fixed]\nspeed_m_s = 13\n[[block]]\n"
+        assert [(job.bird.speed_m_s, job.bird.mass_kg) for job in jobs(text)] == [(13.0, 1.2), (14.0, 1.2)]
+
+    @pytest.mark.parametrize("key", [key for key in file.BLOCK_KEYS if key != "fixed"])
+    def test_any_other_key_of_a_block_stands_in_the_place_of_the_files(self, jobs, key):
+        files, blocks, kind, name = OF_THE_FILE_AND_OF_A_BLOCK[key]
+        head = "" if key == "species" else IBIS
+        shared = jobs(f"{head}{kind}{files}\n[[block]]\n")
+        own = jobs(f"{head}{kind}{files}\n[[block]]\n{blocks}\n")
+        alone = jobs(f"{head}{kind}[[block]]\n{blocks}\n")
+        assert own == alone
+        assert not set(values(own, name)) & set(values(shared, name))
+
+    @pytest.mark.parametrize(
+        ("condition", "left_out"),
+        [
+            ("{ above = 13 }", {14, 15}),
+            ("{ below = 13 }", {11, 12}),
+            ("{ above = 12, below = 15 }", {13, 14}),
+            ("{ above = 12.5, below = 13.5 }", {13}),
+            ("13", {13}),
+            ("[11, 15]", {11, 15}),
+        ],
+    )
+    def test_an_exclusion_ends_before_its_bounds(self, jobs, condition, left_out):
+        text = IBIS + f"[grid]\nspeed_m_s = [11, 12, 13, 14, 15]\n[[exclude]]\nspeed_m_s = {condition}\n"
+        assert set(values(jobs(text), "speed_m_s")) == {11, 12, 13, 14, 15} - left_out
 
     def test_exclusions_leave_out_what_meets_all_of_one(self, jobs):
         text = 'species = ["mute-swan", "dunlin"]\nobjective = ["force", "power"]\n'
