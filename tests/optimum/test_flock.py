@@ -6,9 +6,11 @@ Where a sentence of the paper is tested, the test quotes what it says of its mul
 import numpy as np
 import pytest
 from upwash import FlockRules, SearchSettings, Stroke, WakeModel, load_species, solve_pair
+from upwash.optimum import flock as flock_module
 from upwash.optimum.flock import solve_flock
 from upwash.optimum.flock_solution import on_side
 from upwash.optimum.rotation import take_turns
+from upwash.optimum.settings import WAKES
 
 FOLLOWERS = 5
 
@@ -139,6 +141,20 @@ class TestEveryLink:
         )
         for name in ("x_m", "y_m", "z_m", "amplitude_m", "upstroke_span_ratio", "cost"):
             assert values(again, name) == pytest.approx(values(known, name)[:3], rel=1e-7, abs=1e-7)
+
+    @pytest.mark.parametrize("wake", WAKES)
+    def test_every_link_is_searched_as_was_asked(self, monkeypatch, ibis, wake):
+        asked, solve = [], flock_module.solve_pieces
+
+        def solve_and_note(problems, search, **more):
+            asked.append((search, {one.model for one in problems}))
+            return solve(problems, search, **more)
+
+        monkeypatch.setattr(flock_module, "solve_pieces", solve_and_note)
+        # Found by no earlier test, so that no link is taken from what is kept of those.
+        search, model = SearchSettings(100 + WAKES.index(wake), 2e-4), WakeModel(core_radius_ratio=0.18)
+        solve_flock(ibis, 3, "power", rules=FlockRules(wake=wake), model=model, search=search)
+        assert asked == [(search, {model})] * 2
 
     def test_stands_where_its_steps_lead(self, flocks):
         for flock in flocks.values():

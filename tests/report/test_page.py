@@ -316,6 +316,12 @@ class TestWriting:
         monkeypatch.setattr("upwash.report.page.draw_figures", lambda sources, folder: [])
         assert write_page(written.parent, written.parents[1] / "flock").read_bytes() == before
 
+    def test_a_jobs_time_is_told_once_however_many_rows_it_has(self, written):
+        # Each optimum of a pair holds its job's time; each bird of a flock its own.
+        told = written.read_text(encoding="utf-8")
+        assert "1.0 s in all, 0.50 s a job" in told
+        assert "12.0 s in all, 3.00 s a job" in told
+
     def test_a_folder_that_is_none_is_one_line(self, tmp_path):
         with pytest.raises(UpwashError, match="expected a results folder"):
             write_page(tmp_path / "nowhere")
