@@ -209,6 +209,10 @@ class TestNew:
         assert result.stderr.count("\n") == 1
         assert [path for path in tmp_path.rglob("*") if path != inner] == []
 
+    def test_a_name_may_be_as_long_as_is_told(self, tmp_path):
+        assert species("new", "x" * 80, "--folder", str(tmp_path)).exit_code == 0
+        assert list(files_in(tmp_path)) == [f"{'x' * 80}.toml"]
+
     def test_a_folder_that_is_not_there_is_one_line(self, tmp_path):
         result = species("new", "my-bird", "--folder", str(tmp_path / "nowhere"))
         assert result.exit_code == 2

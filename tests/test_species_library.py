@@ -364,3 +364,25 @@ class TestObservations:
 
 def test_the_library_stands_beside_the_package():
     assert Path(__file__).parents[1] / "species" == LIBRARY_FOLDER
+
+
+class TestLimits:
+    """The limits of the dimensionless groups, as the page on species tells them."""
+
+    TOLD = re.findall(
+        r"^\| (\S.*?) \| (\S+) to (\S+) \| (\S+) to (\S+) \|",
+        (Path(__file__).parents[1] / "docs" / "species.md").read_text(encoding="utf-8"),
+        re.M,
+    )
+
+    def test_every_group_is_told(self):
+        assert len(self.TOLD) == len(GROUPS)
+
+    @pytest.mark.parametrize(("name", "told"), list(zip(GROUPS, TOLD, strict=False)))
+    def test_are_those_that_are_told_and_lie_within_themselves(self, name, told):
+        ends = [math.pi / 4.0 if one == "π/4" else float(one) for one in told[1:]]
+        for limits, (low, high) in (("usual", ends[:2]), ("possible", ends[2:])):
+            for end, beyond in ((low, -math.inf), (high, math.inf)):
+                assert outside({name: end}, limits) == []
+                (sentence,) = outside({name: math.nextafter(end, beyond)}, limits)
+                assert f"expected {low:.3g} to {high:.3g}" in sentence

@@ -35,7 +35,10 @@ KEPT = ROOT / ".mutants"
 # module that holds a fault are asked before the others.
 TESTS = {
     "species": ["test_species_library.py", "test_species_command.py", "test_species_file.py"],
-    "sweep": ["test_sweep.py", "test_sweep_identity.py", "test_sweep_mistakes.py", "test_checked_before.py"],
+    "sweep": [
+        *("test_sweep.py", "test_sweep_identity.py", "test_sweep_mistakes.py", "test_checked_before.py"),
+        "batch/test_own_solver.py",
+    ],
     "cli": [
         *(
             "test_cli_contract.py",
