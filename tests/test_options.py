@@ -192,6 +192,14 @@ def test_an_option_changes_something(see, path, name):
     assert "No such option" not in after[2] and "Invalid value" not in after[2]
 
 
+@pytest.mark.parametrize("path", [path for path in CALLS if CALLS[path] and path != "species check"])
+def test_a_command_asks_for_each_argument_that_it_needs(see, monkeypatch, path):
+    monkeypatch.setitem(CALLS, path, CALLS[path][:-1])
+    code, out, said, calls, _ = see(path, [])
+    assert (code, out, calls) == (2, "", ())
+    assert "Missing argument" in said and len(said.splitlines()) == 1
+
+
 @pytest.mark.parametrize(("path", "name"), OF_A_JOB)
 def test_an_option_of_a_problem_changes_its_own_input_alone(monkeypatch, path, name):
     jobs = []

@@ -3,6 +3,7 @@
 import csv
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -298,6 +299,12 @@ class TestCaveats:
     @pytest.mark.parametrize("slug", ["canada-goose", "great-white-pelican"])
     def test_name_a_speed_that_rests_on_one_track(self, slug):
         assert "speed (1)" in "; ".join(species_caveats(LIBRARY[slug], IBIS))
+
+    @pytest.mark.parametrize(("sample", "is_few"), [(1, True), (2, True), (3, False), (30, False)])
+    def test_name_a_sample_of_less_than_three(self, sample, is_few):
+        speed = replace(IBIS.quantities["speed"], sample=sample)
+        bird = replace(IBIS, quantities={**IBIS.quantities, "speed": speed})
+        assert (f"speed ({sample})" in "; ".join(species_caveats(bird, IBIS))) is is_few
 
     @pytest.mark.parametrize("slug", sorted(IMPOSSIBLE))
     def test_name_an_impossible_convention(self, slug):

@@ -94,6 +94,23 @@ class TestShow:
         assert [row["rank"] for row in rows] == list(range(len(rows)))
         assert len([line for line in out.splitlines() if line.endswith(("astern", "abreast"))]) == len(rows)
 
+    def test_each_cell_is_what_json_says(self, bench, reproduced):
+        out, _ = bench("show", str(reproduced), "20f1")
+        rows = json.loads(bench("show", str(reproduced), "20f1", "--json")[0])
+        lines = [line.split() for line in out.splitlines()]
+        start = next(number for number, line in enumerate(lines) if line[0] == "rank")
+        names, cells = lines[start], lines[start + 1 :]
+        assert {"is_v_optimum", "x_m", "placement"} <= set(names) and len(cells) == len(rows)
+        for line, row in zip(cells, rows, strict=True):
+            for name, cell in zip(names, line, strict=True):
+                value = row[name]
+                if isinstance(value, bool):
+                    assert cell == ("yes" if value else "no"), name
+                elif isinstance(value, float):
+                    assert float(cell) == pytest.approx(value, rel=1e-5), name
+                else:
+                    assert cell == ("-" if value is None else str(value)), name
+
     def test_a_job_that_has_only_its_own_file(self, bench):
         bench.sweep("failing_when_heavy", 2)
         bench.run(code=1)

@@ -455,6 +455,12 @@ class TestParameters:
         assert base["mass_kg"].iloc[0] == 1.3 and base["speed_m_s"].iloc[0] == 15.0
         assert sorted(sources.varied_inputs(varied, base)) == ["mass_kg", "speed_m_s"]
 
+    def test_three_values_make_a_line_and_two_do_not(self, varied):
+        base = sources.subject(varied)
+        fewer = varied[varied["speed_m_s"] != 16.0]
+        assert set(fewer["speed_m_s"]) == {14.0, 15.0}
+        assert sorted(sources.varied_inputs(fewer, base)) == ["mass_kg"]
+
     def test_a_line_breaks_where_there_is_no_v_optimum(self, varied):
         found = line(parameter_saving.draw(varied), "mass_kg force")
         assert found[:, 0] == pytest.approx([1.1, 1.2, 1.3, 1.4])

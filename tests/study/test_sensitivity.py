@@ -155,6 +155,14 @@ class TestWhatFailed:
         assert found[["first_order", "total"]].isna().all().all()
         assert (found["points_usable"] == LEAST_POINTS - 1).all()
 
+    def test_just_enough_usable_points_do(self, study):
+        rows, jobs = study
+        kept = set(jobs[: LEAST_POINTS * (len(INPUTS) + 2)])
+        lost = rows.assign(is_v_optimum=rows["job_id"].isin(kept))
+        found = sensitivity(lost, jobs).set_index(["output", "input"]).loc["saving_total"]
+        assert (found["points_usable"] == LEAST_POINTS).all()
+        assert found[["first_order", "total"]].notna().all().all()
+
     def test_the_table_says_what_was_left_out(self, study):
         rows, jobs = study
         lost = rows.assign(is_v_optimum=~rows["job_id"].isin(jobs[:3]))
