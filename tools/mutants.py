@@ -13,6 +13,7 @@ import difflib
 import json
 import os
 import random
+import resource
 import shutil
 import subprocess
 import sys
@@ -60,7 +61,10 @@ TESTS = {
     "aero": ["aero"],
     "optimum": ["optimum", "test_optimum_command.py", "test_flock_command.py"],
 }
-LEAST_TIMEOUT_S = 300.0
+# Processor time that a process of the tests may take, and time on the clock: an endless loop is noticed by the first
+# alone, however busy the machine is, a standstill by the second.
+LEAST_PROCESSOR_S = 300.0
+LEAST_TIMEOUT_S = 3600.0
 
 # Faults that people make; no shifts of bits, and no decorator left out.
 ARITHMETIC = [("Add", "Sub"), ("Sub", "Add"), ("Mul", "Div"), ("Div", "Mul"), ("Pow", "Mul"), ("Mod", "Mul")]
@@ -170,6 +174,12 @@ def seconds_without_a_fault(room: str, folder: Path) -> float:
     return taken_s
 
 
+def limit_processor_time(limit_s: float) -> None:
+    """Let this process and each that it begins take no more processor time than this."""
+    _, most = resource.getrlimit(resource.RLIMIT_CPU)
+    resource.setrlimit(resource.RLIMIT_CPU, (int(limit_s), most))
+
+
 def tests_for(fault: Fault) -> list[str]:
     """Return the tests of a fault's room, those named after its module first."""
     name = Path(fault["module"]).stem
@@ -250,7 +260,9 @@ def main(count: int, seed: int, workers: int, rooms: tuple[str, ...], again: boo
 
     with ThreadPoolExecutor(workers) as pool, record.open("a", encoding="utf-8") as file:
         for room in dict.fromkeys(fault["room"] for fault in left):
-            timeouts_s[room] = LEAST_TIMEOUT_S + 5.0 * seconds_without_a_fault(room, KEPT / "tree-0")
+            taken_s = seconds_without_a_fault(room, KEPT / "tree-0")
+            timeouts_s[room] = LEAST_TIMEOUT_S + 5.0 * taken_s
+            limit_processor_time(LEAST_PROCESSOR_S + 2.0 * taken_s)
             for fault in pool.map(attempt, [fault for fault in left if fault["room"] == room]):
                 done[key_of(fault)] = fault
                 print(json.dumps(fault), file=file, flush=True)
