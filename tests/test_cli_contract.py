@@ -1,15 +1,19 @@
 """What every command promises: it starts at once, says one line on a mistake, and exits with a known code."""
 
+import io
 import os
 import subprocess
 import sys
+import threading
 import types
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 
 import click
 import pytest
 import upwash
 from click.testing import CliRunner
 from upwash import cli
+from upwash.cli import streams
 from upwash.errors import CheckFailed, UpwashError
 
 HEAVY = {"duckdb", "jinja2", "matplotlib", "numba", "numpy", "pandas", "pyarrow", "scipy"}
@@ -120,6 +124,86 @@ def test_a_reader_that_leaves_early_is_no_error():
     )
     os.close(writing)
     assert (finished.returncode, finished.stderr) == (141, "")
+
+
+class Clock:
+    """A clock that stands still until it is put forward, and tells when it was looked at."""
+
+    def __init__(self):
+        self.now, self.looked = 100.0, threading.Semaphore(0)
+
+    def monotonic(self):
+        self.looked.release()
+        return self.now
+
+    def forward(self, seconds):
+        """Let time pass, and then be looked at twice, so that what follows from it has followed."""
+        self.now += seconds
+        while self.looked.acquire(blocking=False):
+            pass
+        for _ in range(3):
+            assert self.looked.acquire(timeout=60)
+
+
+class TestSilence:
+    """After eight seconds without a word, on either stream, a command says that it is still at work, and at what."""
+
+    @pytest.fixture
+    def clock(self, monkeypatch):
+        clock = Clock()
+        monkeypatch.setattr(streams, "time", clock)
+        monkeypatch.setattr(streams, "SILENCE_S", 8.0)
+        monkeypatch.setattr(streams, "LOOK_EVERY_S", 0.001)
+        return clock
+
+    @staticmethod
+    @contextmanager
+    def command():
+        """Guard the streams as of a command; give what is told to a person."""
+        told = io.StringIO()
+        with redirect_stdout(io.StringIO()), redirect_stderr(told), streams.guarded_streams():
+            yield told
+
+    def test_is_broken_after_eight_seconds_and_again_after_eight_more(self, clock):
+        with self.command() as told:
+            streams.at_work("solving")
+            clock.forward(7.99)
+            assert told.getvalue() == ""
+            clock.forward(0.01)
+            assert told.getvalue() == "still solving, 8 s\n"
+            clock.forward(7.99)
+            assert told.getvalue() == "still solving, 8 s\n"
+            clock.forward(0.01)
+            assert told.getvalue() == "still solving, 8 s\nstill solving, 16 s\n"
+
+    @pytest.mark.parametrize("name", ["stdout", "stderr"])
+    def test_a_word_begins_it_anew_and_keeps_its_own_line(self, clock, name):
+        with self.command() as told:
+            streams.at_work("checking")
+            clock.forward(5.0)
+            getattr(sys, name).write("half a line")
+            clock.forward(7.99)
+            before = told.getvalue()
+            assert before == ("half a line" if name == "stderr" else "")
+            clock.forward(0.01)
+            assert told.getvalue() == f"{before}\nstill checking, 13 s\n"
+
+    def test_it_counts_from_where_the_work_began(self, clock):
+        with self.command() as told:
+            streams.at_work("reading")
+            clock.forward(7.0)
+            streams.at_work("drawing")
+            clock.forward(7.99)
+            assert told.getvalue() == ""
+            clock.forward(0.01)
+            assert told.getvalue() == "still drawing, 8 s\n"
+
+    def test_nothing_is_told_of_a_command_that_did_not_begin_or_has_ended(self, clock):
+        with self.command() as told:
+            clock.forward(100.0)
+        streams.at_work("solving")
+        clock.now += 100.0
+        assert told.getvalue() == ""
 
 
 class TestPackage:
