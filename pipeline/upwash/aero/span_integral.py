@@ -84,7 +84,9 @@ def span_antiderivative(
     def corner(p: NDArray[np.float64], e: NDArray[np.float64]) -> NDArray[np.float64]:
         r = e * e + d * d + softening
         m = np.maximum(r, least)
-        return -np.arcsinh(p / np.sqrt(m)) + p * (np.sqrt(p * p + r) - np.sqrt(p * p + m)) / core2
+        # u − v as (r − m)/(u + v), which keeps its digits however long the filament is.
+        u, v = np.sqrt(p * p + r), np.sqrt(p * p + m)
+        return -np.arcsinh(p / np.sqrt(m)) + p * (r - m) / ((u + v) * core2)
 
     s0, s1 = station(x0, z0), station(x1, z1)
     t = corner(p0, right) - corner(p1, right) - corner(p0, left) + corner(p1, left)
