@@ -30,7 +30,7 @@ PAPERS = replace(ELLIPTIC, loading="uniform", wake="pair")
 
 
 def steady_saving(y, x=0.5, bird=IBIS, model=LIMIT):
-    """Return what the limit model saves, over the drag of an elliptic wing with the lift of a wing of uniform loading."""
+    """Return what the limit model saves, over an elliptic wing's drag at the lift of uniform loading."""
     pose = Pose(x * bird.wavelength_m, y * bird.semispan_m, 0.0, STILL, 0.0)
     _, thrust = wake_force(bird, STILL, pose, model)
     return thrust / (2.0 * bird.density_kg_m3 * bird.circulation_m2_s**2 / math.pi)
