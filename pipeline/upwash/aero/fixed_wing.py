@@ -144,9 +144,7 @@ class FixedWing:
             raise ValueError(f"nodes: expected exact for an elliptic loading, found {nodes!r}")
         return float(self.density_kg_m3 * (own @ upwash))
 
-    def saving_behind(
-        self, ahead: FixedWing, x_m: float = math.inf, y_m: float = 0.0, **where: float
-    ) -> float:
+    def saving_behind(self, ahead: FixedWing, x_m: float = math.inf, y_m: float = 0.0, **where: Any) -> float:
         """Return what another wing's wake saves it, as a share of `induced_drag_n`.
 
         Parameters
