@@ -1,15 +1,20 @@
 """The paper's ibis and its solutions, solved once for all tests of the optimum."""
 
+import logging
 import math
 
 import pytest
-from upwash import load_species, solve_pair
+from upwash import kernel, load_species, solve_pair
 from upwash.cli import streams
 
 
 @pytest.fixture(autouse=True, scope="session")
 def _no_word_of_how_long_it_takes():
-    """Commands that run within the tests do not tell that they are still at work: that hangs on the machine."""
+    """Commands that run within the tests tell neither that they compile nor that they are still at work.
+
+    Either hangs on the machine, and on which test is the first.
+    """
+    kernel._tell_once(logging.INFO, kernel.COMPILING)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(streams, "SILENCE_S", math.inf)
         yield
