@@ -118,7 +118,7 @@ class TestRefuses:
         [
             ("speed", "NAME=VALUE"),
             ("speed=12", "did you mean 'speed_m_s'"),
-            ("stroke_states=3", "more serve maps of forces"),
+            ("stroke_states=3", "more are searched and proved behind an endless wake alone"),
             ("speed_m_s=", "positive, finite number"),
             ("speed_m_s=fast", "'fast'"),
             ("mass_kg=-1", "'-1'"),

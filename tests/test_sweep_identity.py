@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from upwash import columns as of
 from upwash.aero.wake import WakeModel
 from upwash.optimum.settings import FLOCK_CHOICES, SearchSettings
 from upwash.sweep import Job
@@ -76,8 +77,12 @@ def test_the_ids_that_jobs_had_when_they_were_flat_are_what_they_were():
 def test_a_job_is_what_its_columns_say_and_says_them_again(row):
     job = Job.of(row)
     stated = {name: value for name, value in job.inputs().items() if value is not None}
-    assert {"job_id": job.job_id, **stated} == row
-    assert Job.of(job.inputs()) == job
+    # What came later is the paper's.
+    usual = of.told(vars(WakeModel())) | {"model": WakeModel().name(1.0)}
+    name = job.inputs()["model"]
+    assert {**usual, "job_id": job.job_id, **stated} == usual | row | {"model": name}
+    assert (name == "paper") == (job.model == WakeModel())
+    assert Job.of(job.inputs()) == Job.of(of.kept(job.inputs())) == job
 
 
 def test_inputs_that_make_no_bird_are_kept_with_the_reason():

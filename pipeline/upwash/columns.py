@@ -7,9 +7,11 @@ is made.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
+from math import inf
+from typing import Any
 
 SCHEMA_VERSION = 2
 """Raised by hand when a column is added, removed or given another meaning."""
@@ -58,12 +60,14 @@ JOB, BIRD, OPTIMUM, PROOF = "job", "bird", "optimum", "proof"
 PAIR_SUMMARY, FLOCK_SUMMARY = "summary of a pair", "summary of a flock"
 
 # How `upwash check` verifies a value.
-STATED, IDENTITY, FOUND, RECOMPUTED = "stated", "identity", "found", "recomputed"
+STATED, IDENTITY, DERIVED = "stated", "identity", "derived"
+FOUND, RECOMPUTED = "found", "recomputed"
 EVIDENCE, RANKING, CHAIN, PROVED = "evidence", "ranking", "chain", "proved"
 SUMMARISED, RANGE = "summarised", "range"
 VERIFIED = {
     STATED: "agrees with what the rest of the row says of how the job ended",
     IDENTITY: "the job's id follows from it: any other value gives another id",
+    DERIVED: "follows from the job's inputs",
     FOUND: "what a search finds: forces, evidence and costs follow from it, and any other value gives others",
     RECOMPUTED: "computed anew from the inputs and what was found",
     EVIDENCE: "examined anew at what was found",
@@ -80,6 +84,7 @@ VERIFIED = {
 NEVER = "never"
 LEADING = "if its bird is the first of a flock and follows none"
 UNREPORTED = "if it leads, or if the solver is the user's own and does not say"
+UNASKED = "if it is an input that was left as usual, or no number"
 SOMETIMES = "if there is no such thing; its check knows when"
 
 # Lists that people are shown: of jobs, and of the optima (or birds) of one job.
@@ -107,7 +112,7 @@ class Column:
     verified : str
         How it is checked, one of `VERIFIED`.
     absent : str
-        When a solved row may lack it: `NEVER`, `LEADING`, `UNREPORTED` or `SOMETIMES`.
+        When a solved row may lack it: `NEVER`, `LEADING`, `UNREPORTED`, `UNASKED` or `SOMETIMES`.
     least : float or None
         Least possible value, where one is known.
     head, label : str
@@ -120,6 +125,8 @@ class Column:
         How it is checked in a flock's rows, if otherwise: of a bird's optima the V optimum alone is kept there.
     listed : tuple of str
         The lists that it is shown in, of `JOBS` and `OPTIMA`.
+    words : dict
+        What is kept for a value that is a word -> the word, by which sweeps, commands and JSON know it.
     """
 
     name: str
@@ -137,6 +144,25 @@ class Column:
     percent: bool = False
     verified_in_flock: str = ""
     listed: tuple[str, ...] = ()
+    words: Mapping[float | None, str] = field(default_factory=dict, hash=False)
+
+    def told(self, kept: Any) -> Any:
+        """Return a value as sweeps, commands and JSON know it, given what is kept of it in Parquet.
+
+        Examples
+        --------
+        >>> column("wavelengths").told(float("inf")), column("wavelengths").told(2.0), column("span_nodes").told(None)
+        ('endless', 2, 'exact')
+        """
+        if not self.words:
+            return kept
+        # A frame has NaN for what is absent; what is counted is kept as a float if it may be infinite.
+        kept = None if kept != kept else kept
+        return int(kept) if isinstance(kept, float) and kept.is_integer() else self.words.get(kept, kept)
+
+    def kept(self, told: Any) -> Any:
+        """Return what is kept in Parquet of a value, given as sweeps, commands and JSON know it."""
+        return next((kept for kept, word in self.words.items() if word == told), told)
 
     @property
     def shown_unit(self) -> str:
@@ -230,8 +256,39 @@ COLUMNS = (
     ),
     _choice("amplitude_convention", description="how the leader's amplitude was chosen", listed=(JOBS,)),
     _input("core_radius_ratio", "1", "vortex core radius over semispan", head="r_c/b", label="vortex core"),
-    _count("stroke_states", description="states in which each bird is held in a wingbeat"),
-    _count("span_nodes", description="points across the span where the wake is felt"),
+    _choice(
+        "model",
+        description="named model of the wake that these are inputs of: paper or limit; given if neither",
+        verified=DERIVED,
+        listed=(JOBS,),
+    ),
+    _count("stroke_states", description="states or steps in which a wingbeat is told"),
+    _choice("stroke_rule", description="held in each state, or gauss for points of a quadrature"),
+    _count(
+        "span_nodes",
+        description="points across the span where the wake is felt; absent for the exact integral",
+        absent=UNASKED,
+        words={None: "exact"},
+    ),
+    _input(
+        "wavelengths",
+        "1",
+        "length of each wake, in wavelengths; infinite for an endless one",
+        agreement=EXACT,
+        words={inf: "endless"},
+    ),
+    _choice("core", description="vortex core: rankine or rosenhead-moore"),
+    _choice(
+        "span_law",
+        description="follower's span and circulation through its wingbeat: tip, with its height, or stroke, by halves",
+    ),
+    _input(
+        "distance_m",
+        "m",
+        "how far behind the leader of an endless wake a follower is said to fly; absent: half a wavelength",
+        absent=UNASKED,
+        label="distance asked for",
+    ),
     _count("seed", description="seed of the search", belongs=SEARCH),
     _input("tolerance", "1", "relative gap to which the optimum is to be proved", belongs=SEARCH),
     _choice("solver", description="upwash, or package.module:function", belongs=SEARCH),
@@ -240,7 +297,6 @@ COLUMNS = (
     _rule("shape", description="echelon, vee or alternating"),
     _rule("wake", description="whose wakes a bird feels: neighbour or all-upstream"),
     _rule("reading", description="reading of the amplitude bound: immediate or lone"),
-    _count("wavelengths", description="length of each wake, in wavelengths", belongs=FLOCK),
     _id("flock_id", description="the flock: its job's id", belongs=BIRD),
     _bird("bird", description="number of the bird, 1 the leader", head="bird"),
     _bird("leader", description="number of the bird that it follows", absent=LEADING, head="follows"),
@@ -258,6 +314,13 @@ COLUMNS = (
     _found("amplitude_m", "m", "follower's tip-to-tip flapping amplitude", head="h"),
     _found("upstroke_span_ratio", "1", "follower's upstroke span over downstroke span", head="R"),
     _relative("phase", "1", "follower's lag behind its leader, in wingbeats", head="κ"),
+    _relative(
+        "spatial_phase",
+        "1",
+        "x/lambda - phase, in (-1/2, 1/2]: where in the leader's wake the follower begins its wingbeat",
+        verified=RECOMPUTED,
+        head="Φ",
+    ),
     _force("weight_n", description="weight of either bird", belongs=JOB, label="weight"),
     _force("drag_n", description="drag of either bird", belongs=JOB, label="drag"),
     _force("lift_self_n", description="lift that the follower makes itself", label="self-generated lift"),
@@ -421,9 +484,24 @@ def names(columns: Iterable[Column]) -> tuple[str, ...]:
     return tuple(column.name for column in columns)
 
 
+@cache
 def column(name: str) -> Column:
     """Return a column of the results by its name."""
     return next(one for one in COLUMNS if one.name == name)
+
+
+def told(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row as JSON has it, given as it is kept in Parquet: what is a word is one."""
+    return {name: _BY_NAME[name].told(value) if name in _BY_NAME else value for name, value in row.items()}
+
+
+def kept(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row as it is kept in Parquet, given as JSON has it."""
+    return {name: _BY_NAME[name].kept(value) if name in _BY_NAME else value for name, value in row.items()}
+
+
+_BY_NAME = {one.name: one for one in COLUMNS if one.words}
+"""The columns that have words."""
 
 
 OF_A_PAIR = (OUTCOME, PROBLEM, SEARCH, JOB, OPTIMUM, EFFORT, PROOF)

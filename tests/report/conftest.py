@@ -3,6 +3,7 @@
 import pandas as pd
 import pytest
 from upwash import columns as of
+from upwash.aero.wake import WakeModel
 
 IBIS = {
     "species": "northern-bald-ibis",
@@ -15,6 +16,8 @@ IBIS = {
     "gravity_m_s2": 10.0,
     "leader_amplitude_m": 1.0,
     "leader_upstroke_span_ratio": 0.4,
+    "model": "paper",
+    **vars(WakeModel()),
     "tolerance": 1e-4,
     "weight_n": 13.0,
     "drag_n": 2.0,

@@ -106,9 +106,20 @@ class Rule:
 
     def __or__(self, other: Rule) -> Rule:
         """Return the rule that a value fits if it fits one of the two."""
+        limits = [
+            (
+                words,
+                lambda value, one=one, another=another, holds=holds: (
+                    not one.holds(value) or holds(value) or not another.broken_by(value)
+                ),
+            )
+            for one, another in ((self, other), (other, self))
+            for words, holds in one.then
+        ]
         return Rule(
             f"{self.words} or {other.words}",
-            lambda value: not (self.broken_by(value) and other.broken_by(value)),
+            lambda value: self.holds(value) or other.holds(value),
+            then=tuple(limits),
         )
 
 

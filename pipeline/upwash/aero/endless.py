@@ -26,8 +26,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from upwash.aero.bird import Bird
 from upwash.aero.compiled.endless import LEAST_PHASE, EndlessWake
 from upwash.aero.compiled.exact_span import Core
+from upwash.aero.pose import Stroke
 from upwash.aero.span_integral import ring_velocity, span_antiderivative, span_nodes
 from upwash.aero.wake import ROLL_UP, WakeModel
 from upwash.aero.wingbeat import Steps, wingbeat_steps
@@ -294,6 +296,30 @@ def endless_wind(
         height = place[1] + amplitude * steps.height[chosen]
         wind[chosen] = window.mean_wind(x, place[0], height, half_span[chosen], core_radius, model)
     return wind
+
+
+def endless_wake_of(bird: Bird, ahead: Stroke, model: WakeModel, unit_n: float = 1.0) -> EndlessWake:
+    """Lay out the endless wake of a bird for the compiled force: lengths in semispans, forces in a unit.
+
+    Parameters
+    ----------
+    bird, ahead, model
+        As for `upwash.aero.interaction.wake_force`; the span must be felt as a whole.
+    unit_n : float
+        The unit of force, in N.
+    """
+    steps, b = wingbeat_steps(model), bird.semispan_m
+    wavelength = bird.wavelength_m / b
+    shed = ahead.amplitude_m / b, ahead.span_ratio, 1.0, wavelength, 1.0, bird.circulation_ratio
+    unit = bird.density_kg_m3 * bird.circulation_m2_s**2 / unit_n
+    return compiled_endless_wake(
+        (endless_window(True, *shed), endless_window(False, *shed)),
+        steps,
+        unit * steps.circulation(bird.circulation_ratio),
+        wavelength,
+        model.core_radius_ratio,
+        model.core,
+    )
 
 
 def compiled_endless_wake(

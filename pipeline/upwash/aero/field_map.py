@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from upwash.aero.bird import Bird
+from upwash.aero.compiled.endless import LEAST_PHASE, fill_endless_force
+from upwash.aero.endless import endless_wake_of
 from upwash.aero.induction import fill_velocity
 from upwash.aero.interaction import phase_weights, state_circulation_ratio
 from upwash.aero.pose import Pose, Stroke
@@ -111,6 +113,29 @@ def _weighted_wake_force(
     return force
 
 
+def _endless_wake_force(
+    bird: Bird,
+    ahead: Stroke,
+    pose: Pose,
+    plane: str,
+    first: NDArray[np.float64],
+    second: NDArray[np.float64],
+    model: WakeModel,
+) -> NDArray[np.float64]:
+    """Return the force (m, n, 2) of an endless wake over a plane."""
+    b = bird.semispan_m
+    place = dict(zip(COORDINATES, np.broadcast_arrays(*pose.position_m, pose.phase), strict=True))
+    place = {**place, "x": first, PLANES[plane]: second[:, None]}
+    points = np.empty((second.size, first.size, 5))
+    phase = place["x"] / bird.wavelength_m - place["phase"]
+    points[..., 0] = phase - np.floor(phase - LEAST_PHASE)
+    points[..., 1], points[..., 2] = place["y"] / b, place["z"] / b
+    points[..., 3:] = pose.stroke.amplitude_m / b, pose.stroke.span_ratio
+    force = np.empty((second.size * first.size, 2))
+    fill_endless_force(points.reshape(-1, 5), endless_wake_of(bird, ahead, model), force)
+    return force.reshape(second.size, first.size, 2)
+
+
 def force_map(
     bird: Bird,
     ahead: Stroke,
@@ -149,10 +174,14 @@ def force_map(
     """
     if plane not in PLANES:
         raise ValueError(f"plane: expected one of {', '.join(PLANES)}, found {plane!r}")
-    model = (model or WakeModel()).of_points()
+    model = model or WakeModel()
+    if not model.is_endless:
+        model.of_points()
     first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     axis = COORDINATES.index(PLANES[plane])
-    if plane == "xk":
+    if model.is_endless:
+        wake = _endless_wake_force(bird, ahead, pose, plane, first, second, model)
+    elif plane == "xk":
         positions = np.empty((first.size, 3))
         positions[:] = pose.position_m
         positions[:, 0] = first

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 
 from upwash.aero.checked import REACH, check_fields, finite, must_be, ratio, within
@@ -81,6 +82,17 @@ class Pose:
     def position_m(self) -> tuple[float, float, float]:
         """Position x, y, z in m."""
         return self.x_m, self.y_m, self.z_m
+
+    def spatial_phase(self, wavelength_m: float) -> float:
+        """Return x/λ − κ in (−½, ½]: 0 if the wing retraces the path of the other's in the air.
+
+        Examples
+        --------
+        >>> Pose(1.875, 0.9, 0.0, Stroke(0.75, 0.35), 0.0).spatial_phase(3.75)
+        0.5
+        """
+        phase = self.x_m / wavelength_m - self.phase
+        return phase - math.ceil(phase - 0.5)
 
     def mirrored(self) -> Pose:
         """Return the pose on the other side of the other bird."""

@@ -46,6 +46,9 @@ FINENESS = whole_from(2, 1000, "the wake's force has long converged, and more on
 LENGTH = whole_from(1, 1000, "so far back a wake is no longer felt, and more only takes time")
 """What a number of wavelengths must be."""
 
+GIVEN = "given"
+"""What is said of a model that has no name."""
+
 _ENDLESS = Rule("math.inf", lambda value: isinstance(value, float) and value == math.inf)
 
 
@@ -158,6 +161,23 @@ class WakeModel:
             return self
         return replace(self, stroke_states=needed + needed % 2)
 
+    def name(self, wavelength_ratio: float) -> str:
+        """Return the name of the model, ``given`` if it has none; a named one has the steps that a wavelength needs.
+
+        Parameters
+        ----------
+        wavelength_ratio : float
+            Wavelength over semispan.
+
+        Examples
+        --------
+        >>> WakeModel().name(6.25), WakeModel(span_nodes=5).name(6.25)
+        ('paper', 'given')
+        >>> WakeModel.named("limit").resolving(20.0).name(20.0)
+        'limit'
+        """
+        return next((name for name, one in _NAMED.items() if one.resolving(wavelength_ratio) == self), GIVEN)
+
     @property
     def is_endless(self) -> bool:
         """Whether the wake has no end."""
@@ -170,6 +190,9 @@ _NAMED = {
         stroke_states=32, stroke_rule="gauss", span_nodes="exact", wavelengths=math.inf, span_law="stroke"
     ),
 }
+
+NAMES = tuple(_NAMED)
+"""The named models."""
 
 
 @dataclass(frozen=True)

@@ -124,7 +124,8 @@ def _finite(value: Any) -> Any:
 
 def inputs_of(job: Job) -> Row:
     """Return the columns that say which job a row is of."""
-    row = {"job_id": job.job_id} | {name: value for name, value in job.inputs().items() if value is not None}
+    inputs = of.kept(job.inputs()).items()
+    row = {"job_id": job.job_id} | {name: value for name, value in inputs if value is not None}
     return row | {"flock_id": job.job_id} if job.kind == "flock" else row
 
 
@@ -285,7 +286,9 @@ def _solve_pair(job: Job) -> Answer:
 
     if isinstance(job.bird, NoBird):
         return of.INFEASIBLE, job.bird.why, []
-    solution = solve_pair(job.bird, job.objective, model=job.model, search=job.search)
+    solution = solve_pair(
+        job.bird, job.objective, model=job.model, search=job.search, distance_m=job.distance_m
+    )
     if solution.status == of.SOLVED:
         return of.SOLVED, "", solution.rows()
     return solution.status, NO_BALANCE, [solution.of_the_job()]
@@ -310,6 +313,7 @@ def flock_of(job: Job) -> FlockSolution:
         rules=job.flock.rules,
         model=job.model,
         search=job.search,
+        distance_m=job.distance_m,
     )
 
 
@@ -337,14 +341,19 @@ def recompute(rows: Sequence[Row]) -> list[Row]:
 def bounds_of(row: Row) -> dict[str, tuple[float, float]]:
     """Return the bounds of a solved row's variables."""
     from upwash.optimum import problem
+    from upwash.optimum.endless.problem import DISTANCE
 
     streamwise = problem.STREAMWISE_REACH * row["speed_m_s"] * row["period_s"]
     spanwise = problem.SPANWISE_REACH * row["semispan_m"]
     alone = row["leader_amplitude_m"]
     ahead = row["ahead_amplitude_m"] if row["kind"] == "flock" else alone
     limit = alone if row.get("reading") == "lone" else ahead
+    x = (0.0, streamwise)
+    if row["wavelengths"] == math.inf:
+        # It is the distance asked for.
+        x = (row["distance_m"] or DISTANCE * (row["speed_m_s"] * row["period_s"]),) * 2
     return {
-        "x_m": (0.0, streamwise),
+        "x_m": x,
         # A flock's birds may fly on either side of the one ahead.
         "y_m": (-spanwise if row["kind"] == "flock" else 0.0, spanwise),
         "z_m": (-ahead, ahead),

@@ -59,7 +59,7 @@ def inputs_in(folder: ResultsFolder, job_ids: set[str]) -> Iterator[dict[str, An
         except (Damaged, FileNotFoundError):
             continue
         first = {row["job_id"]: row for row in reversed(rows) if row["job_id"] in job_ids}
-        yield from first.values()
+        yield from map(of.told, first.values())
 
 
 def labels(inputs: Collection[dict[str, Any]]) -> Callable[[dict[str, Any]], str]:

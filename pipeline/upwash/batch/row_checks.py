@@ -11,7 +11,15 @@ from collections.abc import Callable, Iterator, Sequence
 
 from upwash import columns as of
 from upwash.batch.job import Row, bounds_of, job_of, recompute
-from upwash.batch.verify import alike, evidence_of, links_of, makes_a_bird, walls, why_infeasible
+from upwash.batch.verify import (
+    alike,
+    evidence_of,
+    links_of,
+    makes_a_bird,
+    stays_in_v,
+    walls,
+    why_infeasible,
+)
 from upwash.errors import UpwashError
 from upwash.sweep.job import BUILT_IN_SOLVER
 
@@ -28,6 +36,7 @@ BOUND_SLACK = 1e-9
 """How far beyond a bound a variable may lie, over the width between its bounds: rounding."""
 
 NOTHING_FOUND = of.names(of.belonging(of.JOB, of.OPTIMUM))
+DERIVED = of.names(column for column in of.COLUMNS if column.verified == of.DERIVED)
 ASKED = of.names(column for column in of.COLUMNS if column.verified == of.IDENTITY)
 
 Complaints = Iterator[tuple[str, str]]
@@ -46,15 +55,20 @@ def identity(rows: Sequence[Row]) -> Complaints:
         if row.get("flock_id", row["job_id"]) != row["job_id"]:
             yield "flock_id", f"expected the job's id, found {row['flock_id']!r}"
     for name in ASKED:
-        if name in first and first[name] is None:
+        if name in first and first[name] is None and of.column(name).absent == of.NEVER:
             yield name, "expected an input of the job, found none"
     try:
-        expected = job_of(first).job_id
+        job = job_of(first)
     except UpwashError as error:
         yield "job_id", f"expected the id of a job, found one of none: {error}"
         return
-    if first["job_id"] != expected:
-        yield "job_id", f"expected {expected} by its inputs and this model's version, found another"
+    if first["job_id"] != job.job_id:
+        yield "job_id", f"expected {job.job_id} by its inputs and this model's version, found another"
+    inputs = job.inputs()
+    for name in DERIVED:
+        for row in rows:
+            if row[name] != inputs[name]:
+                yield name, f"expected {inputs[name]!r} by the job's inputs, found {row[name]!r}"
 
 
 def outcome(rows: Sequence[Row]) -> Complaints:
@@ -67,7 +81,11 @@ def outcome(rows: Sequence[Row]) -> Complaints:
             for column in of.COLUMNS if not has_none else ():
                 if row.get(column.name, "") is None and not _may_lack(row, column):
                     yield column.name, "expected a value in a solved row, found none"
-                if _leads(row) and column.absent != of.NEVER and row.get(column.name) is not None:
+                if (
+                    _leads(row)
+                    and column.absent not in (of.NEVER, of.UNASKED)
+                    and row.get(column.name) is not None
+                ):
                     yield column.name, f"expected none of a bird that leads, found {row[column.name]!r}"
             continue
         if not row["error"]:
@@ -96,6 +114,7 @@ def _may_lack(row: Row, column: of.Column) -> bool:
         of.NEVER: False,
         of.LEADING: _leads(row),
         of.UNREPORTED: _leads(row) or is_own,
+        of.UNASKED: True,
         of.SOMETIMES: True,
     }[column.absent]
 
@@ -104,12 +123,13 @@ def numbers(rows: Sequence[Row]) -> Complaints:
     """Every number is finite, and possible."""
     for row in rows:
         for name, value in row.items():
-            if isinstance(value, float) and not math.isfinite(value):
+            if isinstance(value, float) and not math.isfinite(value) and value not in WORDS.get(name, ()):
                 yield name, f"expected a finite number, found {value}"
             elif (least := LEAST.get(name)) is not None and value is not None and value < least:
                 yield name, f"expected at least {least:g}, found {value}"
 
 
+WORDS = {column.name: column.words for column in of.COLUMNS if column.words}
 LEAST = {column.name: column.least for column in of.COLUMNS if column.least is not None}
 
 
@@ -221,7 +241,7 @@ def ranks(rows: Sequence[Row]) -> Complaints:
     """Optima are distinct and ranked by cost; the first is the global one, the best in the V the V optimum."""
     if rows[0]["rank"] is None:
         return
-    best_v = next((row["rank"] for row in rows if _is_v_formation(row)), None)
+    best_v = next((row["rank"] for row in rows if _is_v_formation(row) and stays_in_v(row)), None)
     for number, row in enumerate(rows):
         if row["rank"] != number:
             yield "rank", f"expected {number}, found {row['rank']}"

@@ -33,14 +33,14 @@ def problems_of(rows: Sequence[Row]) -> list[Sequence[PairProblem]]:
     list of sequences of PairProblem
         For each row; none for one that has no problem: that of a bird that leads, or that cannot be.
     """
-    from upwash.optimum.problem import PairProblem
+    from upwash.optimum.pair import pair_problem
 
     job = job_of(rows[0])
     bird = job.bird
     if isinstance(bird, NoBird) or rows[0]["status"] == of.FAILED:
         return [[] for _ in rows]
     if not job.flock:
-        shared = [PairProblem(bird, job.objective, model=job.model)]
+        shared = [pair_problem(bird, job.objective, model=job.model, distance_m=job.distance_m)]
         return [shared for _ in rows]
     return [_link(bird, job, job.flock.rules, row, rows) for row in rows]
 
@@ -59,7 +59,7 @@ def _link(bird: Bird, job: Job, rules: FlockRules, row: Row, rows: Sequence[Row]
         place = Place(rules.row_of(number), Pose(x, y, z, _stroke(one), one["phase_flock"]))
         ahead.append(place if rules.side_of(row["bird"]) > 0.0 else place.mirrored())
     limit = bird.amplitude_m if rules.reading == "lone" else ahead[-1].pose.stroke.amplitude_m
-    return link_problems(bird, job.objective, tuple(ahead), limit, job.model)
+    return link_problems(bird, job.objective, tuple(ahead), limit, job.model, job.distance_m)
 
 
 def _stroke(row: Row) -> Stroke:
@@ -93,6 +93,14 @@ def evidence_of(rows: Sequence[Row]) -> list[Row]:
             own = own | {"core_edges": other_side(own["core_edges"])}
         found.append(own)
     return found
+
+
+def stays_in_v(row: Row) -> bool:
+    """Whether a row's optimum, which is in a V, is held there by more than the steps of the wingbeat."""
+    from upwash.optimum.verify import stays_in_v as stays
+
+    (problems,) = problems_of([row])
+    return not problems or stays(problems[0], _pose(row))
 
 
 def alike(rows: Sequence[Row]) -> list[tuple[int, int]]:

@@ -162,7 +162,7 @@ def animate(birds: int, shape: str, output: Path, **chosen: Any) -> None:
     from upwash.report.animation import check_ending, write_animation
 
     check_ending(output)
-    flock = {"birds": birds, "shape": shape, "wake": "neighbour", "wavelengths": 1, "reading": "immediate"}
+    flock = {"birds": birds, "shape": shape, "wake": "neighbour", "reading": "immediate"}
     rows = _solved("flock", chosen | flock)
     placed = rows[(rows["status"] == SOLVED) & rows["x_flock_m"].notna()]
     if len(placed) < 2:

@@ -309,7 +309,7 @@ def show(results: str, job: str, as_json: bool) -> None:
     from upwash.batch.folder import ResultsFolder
     from upwash.batch.lookup import rows_of
 
-    rows = rows_of(ResultsFolder(results), job)
+    rows = [of.told(row) for row in rows_of(ResultsFolder(results), job)]
     if as_json:
         _print_json(rows)
         return

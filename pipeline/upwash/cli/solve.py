@@ -35,11 +35,16 @@ def problem(command: Callable[..., Any]) -> Callable[..., Any]:
             help="How the lone bird's amplitude is chosen.",
         ),
         click.option(
+            "--model",
+            metavar="paper|limit",
+            help="How wakes are resolved: as in the paper, which is usual, or converged.",
+        ),
+        click.option(
             "--set",
             "settings",
             metavar="NAME=VALUE",
             multiple=True,
-            help="Set an input, in SI units, as in speed_m_s=12; may be repeated.",
+            help="Set an input, in SI units, or a part of the model, as in speed_m_s=12; may be repeated.",
         ),
         click.option(
             "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the search."
@@ -55,9 +60,15 @@ def problem(command: Callable[..., Any]) -> Callable[..., Any]:
 
 @click.command()
 @problem
+@click.option(
+    "--distance-m",
+    type=float,
+    metavar="M",
+    help="How far behind, where the wake is endless and that is free; half a wavelength if not given.",
+)
 @click.option("--all", "show_all", is_flag=True, help="Print every optimum, with the evidence for it.")
 @as_json
-def optimum(show_all: bool, json_output: bool, **chosen: Any) -> None:
+def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chosen: Any) -> None:
     """Find the best positions of one bird behind another, and prove how good they are.
 
     SPECIES is a name in the library or the path of a TOML file. That no follower can fly is a result like any
@@ -67,13 +78,14 @@ def optimum(show_all: bool, json_output: bool, **chosen: Any) -> None:
     Example:
       upwash optimum northern-bald-ibis --objective power
       upwash optimum ./mybird.toml --set speed_m_s=12 --all
+      upwash optimum northern-bald-ibis --model limit --objective power --distance-m 1.2
     """
     from upwash.batch.job import solve
     from upwash.batch.store import SOLUTIONS, table_of
     from upwash.report.answer import answer, job_record
     from upwash.sweep.single import single_job
 
-    job = single_job("pair", **chosen)
+    job = single_job("pair", parts={"distance_m": distance_m}, **chosen)
     at_work("solving")
     table = table_of(solve(job), SOLUTIONS)
     if json_output:
@@ -104,7 +116,7 @@ def optimum(show_all: bool, json_output: bool, **chosen: Any) -> None:
     help="Whether a bird feels the wake of the bird that it follows, or of every bird ahead.",
 )
 @click.option(
-    "--wavelengths", type=click.IntRange(1), default=1, show_default=True, help="Length of each wake."
+    "--wavelengths", metavar="N", help="Length of each wake, a number or endless; the model's if not given."
 )
 @click.option(
     "--reading",
@@ -115,7 +127,7 @@ def optimum(show_all: bool, json_output: bool, **chosen: Any) -> None:
 )
 @click.option("--joint", is_flag=True, help="Improve all birds together, for the sum of their costs.")
 @as_json
-def flock(joint: bool, json_output: bool, **chosen: Any) -> None:
+def flock(wavelengths: str | None, joint: bool, json_output: bool, **chosen: Any) -> None:
     """Chain pairs into a flock: each bird flies where it flies best behind those ahead of it.
 
     SPECIES is a name in the library or the path of a TOML file. A bird for which there is no place ends the
@@ -128,10 +140,14 @@ def flock(joint: bool, json_output: bool, **chosen: Any) -> None:
     """
     from upwash.batch.job import flock_of, inputs_of, solve
     from upwash.batch.store import FLOCK, table_of
+    from upwash.errors import UpwashError
     from upwash.report.flock_answer import flock_answer, flock_record
     from upwash.sweep.single import single_job
 
-    job = single_job("flock", **chosen)
+    job = single_job("flock", parts={"wavelengths": wavelengths}, **chosen)
+    if joint and job.model.is_endless:
+        remedy = "leave out --joint, or give --wavelengths a number"
+        raise UpwashError(f"--joint: expected wakes that end, found endless ones; {remedy}")
     at_work("solving")
     chain = table_of(solve(job), FLOCK)
     improved = None

@@ -18,14 +18,16 @@ from upwash.aero.checked import one_of
 from upwash.aero.pose import Pose
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import WakeModel
+from upwash.optimum.endless.problem import EndlessProblem
+from upwash.optimum.endless.solve import solve_endless_pair
 from upwash.optimum.flock_solution import FlockSolution, Member, on_side
 from upwash.optimum.flock_wake import FlockProblem, Place, flock_problems
-from upwash.optimum.pair import need_two_states
 from upwash.optimum.pieces import solve_pieces
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import Proof, wall_in_words
 from upwash.optimum.settings import BIRDS, FlockRules, SearchSettings
 from upwash.optimum.solution import PairSolution
+from upwash.optimum.solvable import need_solvable
 
 LINKS_KEPT = 1024
 """Solved links that are kept in memory: flocks of other sizes and shapes have many in common."""
@@ -39,6 +41,7 @@ def solve_flock(
     rules: FlockRules | None = None,
     model: WakeModel | None = None,
     search: SearchSettings | None = None,
+    distance_m: float | None = None,
 ) -> FlockSolution:
     """Build a flock, each follower at its V optimum behind the birds that are settled.
 
@@ -53,9 +56,11 @@ def solve_flock(
     rules : FlockRules, optional
         Shape of the flock, whose wakes a bird feels, and whose amplitude bounds a follower's.
     model : WakeModel, optional
-        Resolution and length of the wakes; must have two stroke states.
+        How the wakes are resolved: as for `upwash.solve_pair`; endless wakes are felt of the bird ahead alone.
     search : SearchSettings, optional
         How long to search, and how closely to prove.
+    distance_m : float, optional
+        How far behind the one ahead each bird is said to fly where wakes are endless; half a wavelength if not given.
 
     Returns
     -------
@@ -77,14 +82,14 @@ def solve_flock(
     one_of(COST_FUNCTIONS)("objective", objective)
     BIRDS("birds", birds)
     rules, model, search = rules or FlockRules(), model or WakeModel(), search or SearchSettings()
-    need_two_states(model)
+    need_solvable(model, rules)
     first = Place(0, Pose(0.0, 0.0, 0.0, bird.stroke, 0.0))
     members = [Member(1, 0, first)]
     while len(members) < birds and members[-1].place is not None:
         number = len(members) + 1
         ahead = _felt(members, number, rules)
         limit = (first if rules.reading == "lone" else ahead[-1]).pose.stroke.amplitude_m
-        solution = _solve_link(link_problems(bird, objective, ahead, limit, model), search)
+        solution = _solve_link(link_problems(bird, objective, ahead, limit, model, distance_m), search)
         members.append(_settle(number, rules, ahead[-1], solution))
     return FlockSolution(bird, objective, rules, model, tuple(members))
 
@@ -98,13 +103,18 @@ def _felt(members: list[Member], number: int, rules: FlockRules) -> tuple[Place,
 
 
 def link_problems(
-    bird: Bird, objective: str, ahead: tuple[Place, ...], limit: float, model: WakeModel
+    bird: Bird,
+    objective: str,
+    ahead: tuple[Place, ...],
+    limit: float,
+    model: WakeModel,
+    distance_m: float | None = None,
 ) -> tuple[PairProblem, ...]:
     """Pose a follower's problem behind birds that are settled, in one piece of phase or several.
 
     Parameters
     ----------
-    bird, objective, model
+    bird, objective, model, distance_m
         As for `solve_flock`.
     ahead : tuple of Place
         Every bird whose wake is felt, the one that is followed last; if there is one, its place does not matter.
@@ -118,6 +128,8 @@ def link_problems(
     """
     if len(ahead) == 1:
         stroke = ahead[0].pose.stroke
+        if model.is_endless:
+            return (EndlessProblem(bird, objective, stroke, limit, model, distance_m=distance_m),)
         if model.wavelengths == 1:
             return (PairProblem(bird, objective, stroke, limit, model),)
         ahead = (Place(0, Pose(0.0, 0.0, 0.0, stroke, 0.0)),)
@@ -126,6 +138,8 @@ def link_problems(
 
 @lru_cache(LINKS_KEPT)
 def _solve_link(problems: tuple[PairProblem, ...], search: SearchSettings) -> PairSolution:
+    if isinstance(problems[0], EndlessProblem):
+        return solve_endless_pair(problems[0], search)
     return solve_pieces(problems, search, proves_all=not isinstance(problems[0], FlockProblem))
 
 

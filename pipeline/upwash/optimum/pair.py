@@ -11,6 +11,9 @@ from upwash.optimum.pieces import solve_pieces
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.settings import SearchSettings
 from upwash.optimum.solution import PairSolution
+from upwash.optimum.solvable import need_solvable
+
+PAPER = WakeModel()
 
 
 def solve_pair(
@@ -60,10 +63,25 @@ def solve_pair(
     >>> print(f"{best.x_m:.2f} m behind and {best.y_m:.2f} m aside it saves {best.saving_total:.0%} of its power")
     1.82 m behind and 0.88 m aside it saves 11% of its power
     """
-    model, settings = model or WakeModel(), search or SearchSettings()
+    problem = pair_problem(bird, objective, ahead, amplitude_limit_m, model or WakeModel(), distance_m)
+    if isinstance(problem, EndlessProblem):
+        return solve_endless_pair(problem, search or SearchSettings())
+    return solve_pieces([problem], search or SearchSettings())
+
+
+def pair_problem(
+    bird: Bird,
+    objective: str,
+    ahead: Stroke | None = None,
+    amplitude_limit_m: float | None = None,
+    model: WakeModel = PAPER,
+    distance_m: float | None = None,
+) -> PairProblem:
+    """Pose a pair's problem; parameters and errors are those of `solve_pair`."""
+    need_solvable(model)
     # None stands for the bird's own: the problem puts it in.
     if model.is_endless:
-        endless = EndlessProblem(
+        return EndlessProblem(
             bird,
             objective,
             ahead,  # type: ignore[arg-type]
@@ -71,26 +89,8 @@ def solve_pair(
             model,
             distance_m=distance_m,
         )
-        return solve_endless_pair(endless, settings)
-    need_two_states(model)
     if distance_m is not None:
         raise ValueError(
             f"distance_m: expected none, as behind a wake that ends the distance is found, found {distance_m!r}"
         )
-    problem = PairProblem(bird, objective, ahead, amplitude_limit_m, model)  # type: ignore[arg-type]
-    return solve_pieces([problem], settings)
-
-
-def need_two_states(model: WakeModel) -> None:
-    """Refuse a model of other than two stroke states.
-
-    Raises
-    ------
-    ValueError
-        If it has.
-    """
-    if model.stroke_states != 2:
-        raise ValueError(
-            f"stroke_states: expected 2, the states in which optima can be searched and proved, "
-            f"found {model.stroke_states}"
-        )
+    return PairProblem(bird, objective, ahead, amplitude_limit_m, model)  # type: ignore[arg-type]

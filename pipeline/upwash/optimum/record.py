@@ -37,6 +37,7 @@ class Record:
     amplitude_m: float
     upstroke_span_ratio: float
     phase: float | None
+    spatial_phase: float | None
     weight_n: float
     drag_n: float
     lift_self_n: float
@@ -134,6 +135,7 @@ def record(
         amplitude_m=stroke.amplitude_m,
         upstroke_span_ratio=stroke.span_ratio,
         phase=pose.phase if pose else None,
+        spatial_phase=pose.spatial_phase(bird.wavelength_m) if pose else None,
         weight_n=bird.weight_n,
         drag_n=bird.drag_n,
         lift_self_n=lift,

@@ -20,6 +20,11 @@ from numpy.typing import NDArray
 from upwash.aero.pose import Pose
 from upwash.optimum.certify import certify
 from upwash.optimum.edges import distinct_edges
+from upwash.optimum.endless.evidence import gather_endless_evidence
+from upwash.optimum.endless.problem import EndlessProblem
+from upwash.optimum.endless.search import EndlessSearch
+from upwash.optimum.endless.solve import certify_endless, endless_evidence_columns
+from upwash.optimum.endless.solve import stays_in_v as endless_stays_in_v
 from upwash.optimum.evidence import evidence_columns, gather_evidence
 from upwash.optimum.local import SCALE
 from upwash.optimum.problem import CORE2, VARIABLES, PairProblem
@@ -61,6 +66,8 @@ class Refuted:
 
 def point_in(problem: PairProblem, pose: Pose) -> NDArray[np.float64] | None:
     """Return a pose in scaled variables, or None if its phase is not in the problem's piece."""
+    if isinstance(problem, EndlessProblem):
+        return problem.point(pose)
     coordinate, end = problem.coordinate(pose.phase), problem.phase_span()
     if not -SAME_PIECE <= coordinate <= end + SAME_PIECE:
         return None
@@ -87,6 +94,9 @@ def examine(problems: Sequence[PairProblem], pose: Pose) -> list[dict[str, Any]]
     for problem in problems:
         point = point_in(problem, pose)
         if point is None:
+            continue
+        if isinstance(problem, EndlessProblem):
+            found.append(endless_evidence_columns(problem, gather_endless_evidence(problem, point)))
             continue
         group, representative = _edges(problem)
         evidence = gather_evidence(problem, group, representative, point)
@@ -144,7 +154,7 @@ def refute_bound(
         attempts.append((best, tolerance, False))
     for problem in problems:
         region = problem.v_bounds() if in_v else problem.bounds
-        search = Search(problem)
+        search, prove = _means(problem)
         descend = partial(search.descend, bounds=region)
         if bound is None:
             is_empty = bool(np.any(region[:, 0] > region[:, 1]))
@@ -152,12 +162,24 @@ def refute_bound(
                 return Refuted(met[0].cost * unit)
         for incumbent, margin, must_close in attempts:
             cost = np.inf if incumbent is None else incumbent / unit
-            proof = certify(problem, region, cost, margin, descend=descend)
+            proof = prove(problem, region, cost, margin, descend=descend)
             if proof.found is not None and proof.found.cost < cost * (1.0 - CHEAPER):
                 return Refuted(proof.found.cost * unit)
             if must_close != proof.is_closed:
                 return Refuted(None if must_close else math.inf)
     return None
+
+
+def _means(problem: PairProblem) -> tuple[Any, Any]:
+    """Return what searches a problem, and what proves a bound of it."""
+    if isinstance(problem, EndlessProblem):
+        return EndlessSearch(problem), certify_endless
+    return Search(problem), certify
+
+
+def stays_in_v(problem: PairProblem, pose: Pose) -> bool:
+    """Whether an optimum of the V is held there by more than the steps of the wingbeat."""
+    return not isinstance(problem, EndlessProblem) or endless_stays_in_v(problem, problem.point(pose))
 
 
 def best_on_wall(problems: Sequence[PairProblem], wall: str) -> float:
@@ -176,7 +198,7 @@ def best_on_wall(problems: Sequence[PairProblem], wall: str) -> float:
         for name in wall.split(","):
             variable, _, side = name.rpartition("_")
             face[VARIABLES.index(variable)] = face[VARIABLES.index(variable), int(side == "upper")]
-        search = Search(problem)
+        search, _ = _means(problem)
         costs = [basin.cost for basin in search.descend(search.random_starts(face, STARTS), face)]
         best = min([best, *costs])
     return best * problems[0].leader_cost

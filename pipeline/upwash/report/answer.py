@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import inf
 from typing import Any
 
 import pandas as pd
 
 from upwash import columns as of
+from upwash.optimum.problem import ASTERN
 from upwash.optimum.proof import OPEN, PROVED, claims_of, wall_in_words
 from upwash.report.tables import GLOBAL, V, basins, best_optima, both_optima
 from upwash.report.words import least
@@ -47,7 +49,9 @@ def _nothing_found(row: Any) -> str:
 
 def _no_v_optimum(row: Any) -> str:
     """Say that no optimum is outboard, level and astern, and what is known of that region instead."""
-    if claims_of(row).v_region == PROVED and pd.isna(row["v_lower_bound"]):
+    if row["wavelengths"] == inf and row["x_m"] < ASTERN * row["semispan_m"]:
+        known = f"{row['x_m']:.3g} m behind, which was asked for, is not astern"
+    elif claims_of(row).v_region == PROVED and pd.isna(row["v_lower_bound"]):
         known = "no position of that kind balances lift and thrust, which is proved"
     elif row["v_wall"]:
         known = f"a follower in the V does best {wall_in_words(row['v_wall'])}, and better still beyond"
@@ -69,5 +73,6 @@ def job_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     dict
         What is true of the job by column, and under ``optima`` the columns of each optimum.
     """
+    rows = [of.told(row) for row in rows]
     optima = [{name: row[name] for name in OF_AN_OPTIMUM} for row in rows if row["rank"] is not None]
     return {**{name: rows[0][name] for name in OF_THE_JOB}, "optima": optima}

@@ -11,7 +11,7 @@ from upwash import columns as of
 from upwash.optimum.proof import OPEN, PROVED, is_proved
 from upwash.optimum.rotation import take_turns
 from upwash.report.table import ABSENT, Table, shown
-from upwash.report.words import least, power_of_ten
+from upwash.report.words import least, length_of_wake, model_in_words, power_of_ten
 
 READINGS = {
     "immediate": "amplitude at most that of the bird ahead",
@@ -83,8 +83,8 @@ def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
         if row["status"] != of.SOLVED:
             notes.append(f"bird {row['bird']}: {row['error']}")
     words = f"{first['species']}, {first['shape']}, {least(first['objective'])}"
-    wavelengths = f"{first['wavelengths']} wavelength{'s' if first['wavelengths'] > 1 else ''}"
-    title = f"{words}; {WAKES[first['wake']]}, {wavelengths}; {READINGS[first['reading']]}"
+    title = f"{words}; {WAKES[first['wake']]}, {length_of_wake(first)}; {READINGS[first['reading']]}"
+    notes += model_in_words(first)
     return Table(title, pd.DataFrame(columns), formats, tuple(notes))
 
 
@@ -117,6 +117,7 @@ def flock_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
         The job's inputs by column, under ``flock`` the other columns of each bird, and under ``turns`` what
         taking turns brings, by size.
     """
+    rows = [of.told(row) for row in rows]
     shared = {"job_id", "flock_id", *INPUTS}
     savings = [row["saving_total"] for row in rows if row["status"] == of.SOLVED]
     return {

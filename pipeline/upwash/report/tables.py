@@ -6,7 +6,7 @@ Frames have the columns of ``solutions.parquet`` or, one row a job, of ``summary
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import hypot
+from math import hypot, inf
 from typing import Any
 
 import pandas as pd
@@ -18,7 +18,7 @@ from upwash.optimum.core_edge import BOTH, TURN, CoreEdge, edges_in
 from upwash.optimum.proof import is_proved, wall_in_words
 from upwash.paper.printed import PRINTED_VARIOUSLY, TABLE_1
 from upwash.report.table import Table, shown
-from upwash.report.words import least, power_of_ten, words_of
+from upwash.report.words import least, model_in_words, power_of_ten, words_of
 from upwash.study.quantities import with_quantities
 from upwash.study.rows import Row
 
@@ -29,6 +29,11 @@ PROOFS = {
     OPEN: ": that is not proved; another may cost less by up to the gap",
 }
 """What `proof` says, and what that means."""
+
+
+def is_endless(row: Row) -> bool:
+    """Whether the wake of a row has no end."""
+    return bool(row["wavelengths"] == inf)
 
 
 # What an optimum is described by: words, unit, how the value follows from its row, and whether in short too.
@@ -43,6 +48,7 @@ DESCRIPTION: tuple[tuple[str, str, Callable[[Row], Any], bool], ...] = (
     ("", "amplitudes h_L", lambda row: 1.0 - row["amplitude_reduction"], False),
     ("R, upstroke span ratio", "", lambda row: row["upstroke_span_ratio"], True),
     ("κ, phase", "", lambda row: row["phase"], True),
+    ("Φ, spatial phase x/λ − κ", "", lambda row: row["spatial_phase"] if is_endless(row) else None, False),
     ("placement", "", lambda row: row["placement"], True),
     ("tier", "", lambda row: row["tier"], True),
     ("station", "", lambda row: row["station"], True),
@@ -148,6 +154,7 @@ def both_optima(solutions: pd.DataFrame, in_short: bool = False) -> Table:
     cells = [
         {"quantity": words, "unit": unit, **{label: value(row) for label, row in columns.items()}}
         for words, unit, value in (*described, *standing)
+        if any(value(row) is not None for row in columns.values())
     ]
     first = next(iter(columns.values()))
     title = f"{first['species']}: follower of {' and of '.join(least(name) for name in jobs)}"
@@ -160,7 +167,12 @@ def both_optima(solutions: pd.DataFrame, in_short: bool = False) -> Table:
     explained += [
         f"a follower in the V does best {wall_in_words(wall)}, and better still beyond" for wall in walls
     ]
-    return Table(title, pd.DataFrame(cells), {"%": ".2f"}, (*leader(first), *explained))
+    model = model_in_words(first)
+    if is_endless(first):
+        model.append(
+            "an endless wake is alike at any x: x is the distance asked for, and κ what follows from it"
+        )
+    return Table(title, pd.DataFrame(cells), {"%": ".2f"}, (*leader(first), *model, *explained))
 
 
 def by_objective(solutions: pd.DataFrame) -> dict[str, pd.DataFrame]:

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from functools import cache
+from math import inf
+from typing import TYPE_CHECKING, Any
 
+from upwash import columns as of
+from upwash.aero.wake import NAMES
 from upwash.species.library import LIBRARY_FOLDER, load_species
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @cache
@@ -44,3 +52,26 @@ def power_of_ten(value: float) -> str:
 def true_minus(text: str) -> str:
     """Return a text with a true minus before its negative numbers."""
     return re.sub(r"(?<![\w.])-(?=\d)", "−", text)
+
+
+def length_of_wake(row: Mapping[str, Any] | pd.Series) -> str:
+    """Say how long a row's wakes are."""
+    length = of.column("wavelengths").told(row["wavelengths"])
+    return "endless" if isinstance(length, str) else f"{length} wavelength{'s' if length > 1 else ''}"
+
+
+def model_in_words(row: Mapping[str, Any] | pd.Series) -> list[str]:
+    """Say how the wakes of a row are resolved, on a line if otherwise than in the paper."""
+    if row["model"] == NAMES[0]:
+        return []
+    name = f"the {row['model']} model" if row["model"] in NAMES else "as given"
+    nodes = of.column("span_nodes").told(row["span_nodes"])
+    parts = [
+        f"{row['stroke_states']} {'steps' if row['stroke_rule'] == 'gauss' else 'states'} of a wingbeat",
+        "the whole span" if isinstance(nodes, str) else f"{nodes} points of the span",
+        f"a wake of {length_of_wake(row)}" if row["wavelengths"] < inf else "an endless wake",
+        f"{row['core'].replace('rosenhead-moore', 'Rosenhead–Moore').replace('rankine', 'Rankine')} cores "
+        f"of {row['core_radius_ratio']:g} b",
+        f"span by the {row['span_law']}",
+    ]
+    return [f"wake: {name}: {', '.join(parts)}"]

@@ -18,7 +18,7 @@ from upwash.aero.field_map import COORDINATES, PLANES, ForceMap, force_map
 from upwash.batch.store import TABLE_OPTIONS, provenance, replacing, schema_of
 from upwash.columns import Column
 from upwash.optimum.problem import STREAMWISE_REACH
-from upwash.study.rows import bird_of, pose_of
+from upwash.study.rows import bird_of, model_of, pose_of
 
 SPANWISE = 3.0
 """Reach of a map to the side, in semispans."""
@@ -68,12 +68,12 @@ def plane_through(row: pd.Series, plane: str, size: int) -> ForceMap:
     ForceMap
         The map, on the coordinates of `grid`.
     """
-    bird, pose = bird_of(row), pose_of(row)
+    bird, pose, model = bird_of(row), pose_of(row), model_of(row)
     first, across = grid(bird, plane, size)
     cores = os.cpu_count() or 1
 
     def rows_of(second: np.ndarray) -> ForceMap:
-        return force_map(bird, bird.stroke, pose, plane, first, second)
+        return force_map(bird, bird.stroke, pose, plane, first, second, model)
 
     with ThreadPoolExecutor(cores) as threads:
         parts = list(threads.map(rows_of, np.array_split(across, cores)))

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields
+from math import inf
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.interaction import state_forces
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS
+from upwash.aero.wake import WakeModel
 
 Row = Mapping[str, Any] | pd.Series
 
@@ -38,6 +42,14 @@ def pose_of(row: Row) -> Pose:
     return Pose(row["x_m"], row["y_m"], row["z_m"], stroke, row["phase"])
 
 
+def model_of(row: Row) -> WakeModel:
+    """Return how the wakes of a row are resolved."""
+    parts = of.told({entry.name: row[entry.name] for entry in fields(WakeModel)})
+    return WakeModel(
+        **parts | {"wavelengths": inf if parts["wavelengths"] == "endless" else parts["wavelengths"]}
+    )
+
+
 def objectives_of(rows: pd.DataFrame) -> list[str]:
     """Return the objectives that rows were solved for, in the order in which figures show them."""
     return [name for name in COST_FUNCTIONS if (rows["objective"] == name).any()]
@@ -58,4 +70,4 @@ def state_forces_of(row: Row) -> NDArray[np.float64]:
     (2, 2, 2) ndarray of float
         By the leader's state and the follower's (up, then down): lift and thrust, in N.
     """
-    return state_forces(bird_of(row), bird_of(row).stroke, pose_of(row))
+    return state_forces(bird_of(row), bird_of(row).stroke, pose_of(row), model_of(row))

@@ -5,26 +5,24 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from upwash.aero.bird import Bird
-from upwash.aero.wake import WakeModel
+from upwash.aero.checked import WrongInput
+from upwash.aero.wake import GIVEN, NAMES, WakeModel
 from upwash.errors import UpwashError
 from upwash.optimum.settings import FLOCK_CHOICES, FlockRules, SearchSettings
+from upwash.optimum.solvable import need_solvable
 from upwash.species import ImpossibleAmplitude, Species
-from upwash.sweep.choices import PARAMETERS
-from upwash.sweep.job import BIRD_COLUMNS, Flock, Job, NoBird, bird_of
+from upwash.sweep.choices import MODEL, OF_THE_BIRD, PARTS
+from upwash.sweep.job import BIRD_COLUMNS, BUILT_IN_SOLVER, Flock, Job, NoBird, bird_of, wavelength_ratio
 from upwash.sweep.values import Setting, unit_sample
 
 STROKE_ANGLE = "stroke_half_angle_deg"
-PAPER = WakeModel()
-# How long wakes are is told of a flock, in its own table.
-RESOLUTION = ("core_radius_ratio", "stroke_states", "span_nodes")
 
 # Where a job's inputs are named otherwise than in a sweep file.
 COLUMN = {"amplitude": "amplitude_convention", **BIRD_COLUMNS}
-GIVEN = "given"
 
 Choice = dict[str, Any]
 Point = dict[str, Setting]
@@ -85,10 +83,13 @@ class Condition:
     def holds(self, value: Any) -> bool:
         """Whether a value meets the condition; numbers are equal to within rounding."""
         if not self.values:
-            return self.above < value < self.below
+            # The words for numbers, exact and endless, mean more than any.
+            return self.above < (math.inf if isinstance(value, str) else value) < self.below
         if isinstance(value, str):
             return value in self.values
-        return any(not isinstance(one, str) and math.isclose(value, one, rel_tol=1e-9) for one in self.values)
+        return value is not None and any(
+            not isinstance(one, str) and math.isclose(value, one, rel_tol=1e-9) for one in self.values
+        )
 
 
 @dataclass(frozen=True)
@@ -157,28 +158,43 @@ class Block:
     def _job(self, species: Species, choice: Choice, point: Mapping[str, Setting]) -> Job:
         convention = choice["amplitude"]
         is_given = "amplitude_m" in point and not point["amplitude_m"].relative
-        resolution: dict[str, Any] = {name: getattr(PAPER, name) for name in RESOLUTION}
-        for name in resolution.keys() & point.keys():
-            resolution[name] = point[name].value * (resolution[name] if point[name].relative else 1)
-        for name, value in resolution.items():
-            if expected := PARAMETERS[name].broken_by(value):
-                found = f"{name}: expected {expected}, found {value:g}"
-                raise UpwashError(f"{species.slug}: {found}; correct it", field=name)
         flock = None
         if self.kind == "flock":
             rules = FlockRules(**{name: choice[name] for name in FLOCK_CHOICES})
             flock = Flock(choice["birds"], rules)
-            resolution["wavelengths"] = choice["wavelengths"]
-        return Job(
-            species=species.slug,
-            objective=choice["objective"],
-            amplitude_convention=GIVEN if is_given else convention,
-            bird=_bird(species, convention, point),
-            model=WakeModel(**resolution),
-            search=SearchSettings(choice["seed"], choice["tolerance"]),
-            flock=flock,
-            solver=self.solver,
-        )
+        bird = _bird(species, convention, point)
+        try:
+            model = _model(bird, point)
+            if self.solver == BUILT_IN_SOLVER:
+                need_solvable(model, flock.rules if flock else None)
+            return Job(
+                species=species.slug,
+                objective=choice["objective"],
+                amplitude_convention=GIVEN if is_given else convention,
+                bird=bird,
+                model=model,
+                search=SearchSettings(choice["seed"], choice["tolerance"]),
+                flock=flock,
+                solver=self.solver,
+                distance_m=point["distance_m"].value if "distance_m" in point else None,
+            )
+        except WrongInput as error:
+            raise UpwashError(f"{species.slug}: {error}; correct it", field=error.name) from error
+
+
+def _model(bird: Bird | NoBird, point: Mapping[str, Setting]) -> WakeModel:
+    """Return the model of the wake that is named, with some parts otherwise.
+
+    It has the steps that its core and the bird's wavelength need, unless their number is among those parts.
+    """
+    named = WakeModel.named(point[MODEL].value if MODEL in point else NAMES[0])
+    parts: dict[str, Any] = {}
+    for name in PARTS:
+        if name in point:
+            value = point[name].value * (getattr(named, name) if point[name].relative else 1)
+            parts[name] = math.inf if value == "endless" else value
+    model = replace(named, **parts)
+    return model if "stroke_states" in parts else model.resolving(wavelength_ratio(bird))
 
 
 def _bird(species: Species, convention: str, point: Mapping[str, Setting]) -> Bird | NoBird:
@@ -195,7 +211,7 @@ def _bird(species: Species, convention: str, point: Mapping[str, Setting]) -> Bi
     overrides = {
         name: setting.value * (own[name] if setting.relative else 1.0)
         for name, setting in point.items()
-        if name not in RESOLUTION and not (name == "amplitude_m" and setting.relative)
+        if name in OF_THE_BIRD and not (name == "amplitude_m" and setting.relative)
     }
     amplitude = point.get("amplitude_m")
     try:

@@ -2,30 +2,42 @@
 
 from __future__ import annotations
 
-from upwash.aero.checked import Rule, positive, rules_of, whole_from
-from upwash.aero.wake import FINENESS, LENGTH, WakeModel
+from upwash import columns as of
+from upwash.aero.checked import REACH, Rule, one_of, positive, rules_of
+from upwash.aero.wake import LENGTH, NAMES, WakeModel
 from upwash.optimum.settings import BIRDS, SearchSettings
 from upwash.species.species import INPUT_RULES
 
 CHOICES: dict[str, Rule] = {
     **{name: rules_of(SearchSettings)[name] for name in ("seed", "tolerance")},
     "birds": BIRDS,
-    "wavelengths": LENGTH,
 }
-"""Inputs that are numbers but no parameters; how long wakes are is told of a flock, in its own table."""
+"""Inputs that are numbers but no parameters."""
 
-PARAMETERS: dict[str, Rule] = {
-    **INPUT_RULES,
-    "core_radius_ratio": rules_of(WakeModel)["core_radius_ratio"],
-    "span_nodes": FINENESS,
-    "stroke_states": whole_from(
-        2, 2, "optima are searched and proved with two states; more serve maps of forces"
-    ),
+MODEL = "model"
+"""The parameter that names a model of the wake, of which others then are parts."""
+
+# As a file writes them: an endless wake by its word.
+PARTS: dict[str, Rule] = rules_of(WakeModel) | {
+    "wavelengths": one_of(of.column("wavelengths").words.values()) | LENGTH
 }
+"""Parts of a model of the wake."""
+
+PARAMETERS: dict[str, Rule] = {**INPUT_RULES, MODEL: one_of(NAMES), **PARTS, "distance_m": REACH}
 """Parameters of bird and wake, which a sweep may vary."""
 
-WHOLE = ("stroke_states", "span_nodes")
-"""Parameters that are counts: no sweep takes a factor of them."""
+OF_THE_BIRD = tuple(INPUT_RULES)
+"""Those of the bird."""
+
+UNSCALED = (MODEL, *(name for name in PARTS if name != "core_radius_ratio"), "distance_m")
+"""Parameters of which no sweep takes a factor: they are words or counts, or have no value of the species' own."""
+
+WORDED = frozenset(
+    column.name
+    for column in of.COLUMNS
+    if column.name in PARAMETERS and (column.type == of.TEXT or column.words)
+)
+"""Parameters whose values are words, or may be."""
 
 
 def rule_of(name: str, relative: bool = False) -> Rule:

@@ -20,7 +20,7 @@ from upwash.shipped import shipped
 from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
 from upwash.species.file import NAMES, did_you_mean, file_here, printable
 from upwash.sweep.block import Axis, Block, Condition, Sample
-from upwash.sweep.choices import CHOICES, PARAMETERS, WHOLE, rule_of
+from upwash.sweep.choices import CHOICES, MODEL, PARAMETERS, UNSCALED, WORDED, rule_of
 from upwash.sweep.entry import Entry, read_toml
 from upwash.sweep.job import BUILT_IN_SOLVER, ID_BYTES, KINDS, Job
 from upwash.sweep.solver import own_solver
@@ -34,12 +34,13 @@ FLOCK_DEFAULTS: dict[str, Any] = {
     "shape": "echelon",
     "wake": "neighbour",
     "reading": "immediate",
-    "wavelengths": 1,
 }
 FILE_KEYS = ("name", "description", "kind", "solver", "block")
-BLOCK_KEYS = ("species", *DEFAULTS, "fixed", "grid", "zip", "sample", "exclude", "flock")
+BLOCK_KEYS = ("species", *DEFAULTS, MODEL, "fixed", "grid", "zip", "sample", "exclude", "flock")
 SAMPLE_KEYS = ("method", "count", "seed", "within", "parameters", "ranges")
 TEXT_INPUTS = ("species", "objective", "amplitude", *FLOCK_CHOICES)
+LENGTH = "wavelengths"
+"""A flock's own table may say how long its wakes are."""
 
 # A sweep's name becomes a folder's: nothing in it may lead elsewhere, hide it, or be too long.
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,79}")
@@ -232,6 +233,7 @@ class _BlockReader:
             one.name: one for place in (shared, own) for one in _varied(place.get("fixed"), only_one=True)
         }
         axes = [*map(_zip, _tables(keys.get("zip"))), *([one] for one in _varied(keys.get("grid")))]
+        axes += [[_Varied(one, _checked_settings(name, one, False))] for name, one in self.named(keys)]
         sample = _sample(keys["sample"]) if "sample" in keys else None
         _refuse_repeated([*fixed.values(), *(one for axis in axes for one in axis)], sample, keys)
         block = Block(
@@ -282,14 +284,19 @@ class _BlockReader:
                 message = 'expected no such table in a sweep of pairs; write kind = "flock" at the top'
                 raise keys["flock"].error(message)
             return choices
-        flock = keys["flock"].table(FLOCK_DEFAULTS) if "flock" in keys else {}
+        flock = keys["flock"].table((*FLOCK_DEFAULTS, LENGTH)) if "flock" in keys else {}
         given = {key: flock.get(key, table.at(default)).each() for key, default in FLOCK_DEFAULTS.items()}
-        choices |= {
-            name: [entry.by(CHOICES[name]) for entry in given[name]] for name in ("birds", "wavelengths")
-        }
+        choices["birds"] = [entry.by(CHOICES["birds"]) for entry in given["birds"]]
         return choices | {
             key: [one.one_of(names) for one in given[key]] for key, names in FLOCK_CHOICES.items()
         }
+
+    def named(self, keys: dict[str, Entry]) -> Iterator[tuple[str, Entry]]:
+        """Give the parameters that have a key elsewhere than in the tables of parameters: of the wake's model."""
+        if MODEL in keys:
+            yield MODEL, keys[MODEL]
+        if self.kind == "flock" and "flock" in keys and LENGTH in (table := keys["flock"].table()):
+            yield LENGTH, table[LENGTH]
 
     def exclusion(self, entry: Entry) -> dict[str, Condition]:
         """Return the conditions that a job must all meet to be left out."""
@@ -314,12 +321,14 @@ def _varied(entry: Entry | None, only_one: bool = False) -> list[_Varied]:
 
 def _checked_settings(name: str, entry: Entry, only_one: bool) -> list[Setting]:
     try:
-        values = settings(entry.value, only_one)
+        values = settings(entry.value, only_one, name in WORDED)
     except ValueError as error:
         raise entry.error(str(error)) from error
     for setting in values:
-        if name in WHOLE and setting.relative:
-            raise entry.unexpected("whole numbers, which are no factors", "leave out relative")
+        if name in UNSCALED and setting.relative:
+            raise entry.unexpected(
+                "values, as there is nothing that factors could be of", "leave out relative"
+            )
         if expected := rule_of(name, setting.relative).broken_by(setting.value):
             raise entry.error(f"expected {expected}, found {setting.value!r}; correct it")
     return values
@@ -358,7 +367,7 @@ def _sample(entry: Entry) -> Sample:
     if "parameters" in keys:
         raise keys["parameters"].error("expected no such key beside ranges, which name them; delete it")
     ranges = {}
-    for name, below in keys["ranges"].table([name for name in PARAMETERS if name not in WHOLE]).items():
+    for name, below in keys["ranges"].table([name for name in PARAMETERS if name not in UNSCALED]).items():
         try:
             ranges[name] = low, high, relative = sampling_range(below.value)
         except ValueError as error:
@@ -397,7 +406,7 @@ def _refuse_repeated(varied: list[_Varied], sample: Sample | None, keys: dict[st
 
 
 def _condition(name: str, entry: Entry) -> Condition:
-    value, is_text = entry.value, name in TEXT_INPUTS
+    value, is_text = entry.value, name in (*TEXT_INPUTS, *WORDED)
     if isinstance(value, dict) and not is_text:
         bounds: dict[str, Any] = {
             key: below.by(finite) for key, below in entry.table(("above", "below")).items()

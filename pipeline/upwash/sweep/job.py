@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
 from upwash import columns as of
 from upwash.aero.bird import Bird
-from upwash.aero.checked import one_of
+from upwash.aero.checked import REACH, WrongInput, one_of
 from upwash.aero.wake import WakeModel
 from upwash.optimum.settings import BIRDS, FlockRules, SearchSettings
 
@@ -34,8 +35,12 @@ ID_BYTES = 8
 LEADERS = {"amplitude_m": "leader_amplitude_m", "upstroke_span_ratio": "leader_upstroke_span_ratio"}
 BIRD_COLUMNS = {entry.name: LEADERS.get(entry.name, entry.name) for entry in fields(Bird)}
 
-_FLOATS = frozenset(column.name for column in of.COLUMNS if column.type == of.FLOAT)
+_FLOATS = frozenset(column.name for column in of.COLUMNS if column.type == of.FLOAT and not column.words)
 _PAPER = WakeModel()
+
+# Inputs that came later: a job states what of them differs from the paper's, so that no old id changes.
+_LATER = {name: getattr(_PAPER, name) for name in ("stroke_rule", "core", "span_law")}
+_LATER_OF_PAIRS = _LATER | {"wavelengths": _PAPER.wavelengths}
 
 Cell = float | int | str | None
 
@@ -74,6 +79,14 @@ def bird_of(inputs: Mapping[str, float]) -> Bird | NoBird:
         return NoBird(tuple(inputs[name] for name in BIRD_COLUMNS), str(error))
 
 
+def wavelength_ratio(bird: Bird | NoBird) -> float:
+    """Return the wavelength of a bird's wake over its semispan, whether it is a bird or not."""
+    if isinstance(bird, Bird):
+        return bird.wavelength_m / bird.semispan_m
+    inputs = dict(zip(BIRD_COLUMNS, bird.inputs, strict=True))
+    return inputs["speed_m_s"] * inputs["period_s"] / inputs["semispan_m"]
+
+
 @dataclass(frozen=True)
 class Flock:
     """A flock that is to be built.
@@ -108,18 +121,21 @@ class Job:
     bird : Bird or NoBird
         The bird: in a pair the leader, in a flock the first; or inputs that make none.
     model : WakeModel
-        Resolution and length of the wakes.
+        How the wakes are resolved.
     search : SearchSettings
         Seed and tolerance of the search; the rest is as usual.
     flock : Flock or None
         The flock, or None for a pair.
     solver : str
         `BUILT_IN_SOLVER`, or ``package.module:function``.
+    distance_m : float or None
+        How far behind the one ahead a follower is said to fly where the wake is endless; half a wavelength if None.
 
     Raises
     ------
     ValueError
-        If the search is limited otherwise than by seed and tolerance, which no column tells.
+        If the search is limited otherwise than by seed and tolerance, which no column tells; or a distance is asked
+        for behind a wake that ends.
     """
 
     species: str
@@ -130,6 +146,7 @@ class Job:
     search: SearchSettings = SearchSettings()
     flock: Flock | None = None
     solver: str = BUILT_IN_SOLVER
+    distance_m: float | None = None
     job_id: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -137,6 +154,11 @@ class Job:
             raise ValueError(
                 f"search: expected a job's search to differ in seed and tolerance, found {self.search}"
             )
+        if self.distance_m is not None:
+            object.__setattr__(self, "distance_m", REACH("distance_m", self.distance_m))
+            if not self.model.is_endless:
+                found = "as behind a wake that ends the distance is found"
+                raise WrongInput("distance_m", f"none, {found}", self.distance_m)
         object.__setattr__(self, "job_id", job_id(self.inputs()))
 
     @property
@@ -145,21 +167,18 @@ class Job:
         return "flock" if self.flock else "pair"
 
     def inputs(self) -> dict[str, Cell]:
-        """Return the inputs by column; what does not apply to a pair is None."""
+        """Return the inputs by column, as JSON has them; what does not apply is None."""
         bird = self.bird
         values = (
             bird.inputs if isinstance(bird, NoBird) else tuple(getattr(bird, name) for name in BIRD_COLUMNS)
         )
-        flock, model = self.flock, self.model
-        found: dict[str, Cell] = dict(zip(BIRD_COLUMNS.values(), values, strict=True))
+        flock = self.flock
+        found: dict[str, Any] = dict(zip(BIRD_COLUMNS.values(), values, strict=True))
         found |= {
             "kind": self.kind,
             "species": self.species,
             "objective": self.objective,
             "amplitude_convention": self.amplitude_convention,
-            "core_radius_ratio": model.core_radius_ratio,
-            "stroke_states": model.stroke_states,
-            "span_nodes": model.span_nodes,
             "seed": self.search.seed,
             "tolerance": self.search.tolerance,
             "solver": self.solver,
@@ -167,31 +186,31 @@ class Job:
             "shape": flock.rules.shape if flock else None,
             "wake": flock.rules.wake if flock else None,
             "reading": flock.rules.reading if flock else None,
-            "wavelengths": model.wavelengths if flock or model.wavelengths != _PAPER.wavelengths else None,
+            "distance_m": self.distance_m,
         }
-        # Of what the wake's model was given later, a job states what differs from the paper's: no old id changes.
-        usual = {name: getattr(_PAPER, name) for name in vars(model) if name not in found}
-        later = {name: getattr(model, name) for name, value in usual.items() if getattr(model, name) != value}
-        return {name: found[name] for name in INPUTS} | later
+        found |= of.told(vars(self.model)) | {"model": self.model.name(wavelength_ratio(bird))}
+        return {name: found[name] for name in INPUTS}
 
     @classmethod
     def of(cls, row: Mapping[str, Any]) -> Job:
-        """Return the job whose inputs a row holds by column; what is absent or None is as usual.
+        """Return the job whose inputs a row holds by column, as in Parquet or as in JSON; what is absent is as usual.
 
         Raises
         ------
         ValueError
             If an input is out of range.
         """
-        given = {name: row[name] for name in INPUTS if row.get(name) is not None}
-
+        given = of.told({name: row[name] for name in INPUTS if name in row})
+        given = {name: value for name, value in given.items() if value is not None}
+        if given.get("wavelengths") == "endless":
+            given["wavelengths"] = math.inf
         kind = one_of(KINDS)("kind", given["kind"])
 
         def some(*names: str) -> dict[str, Any]:
             return {name: given[name] for name in names if name in given}
 
         return cls(
-            **some("species", "objective", "amplitude_convention", "solver"),
+            **some("species", "objective", "amplitude_convention", "solver", "distance_m"),
             bird=bird_of({name: given[column] for name, column in BIRD_COLUMNS.items()}),
             model=WakeModel(**some(*(entry.name for entry in fields(WakeModel)))),
             search=SearchSettings(**some("seed", "tolerance")),
@@ -205,12 +224,13 @@ def canonical_text(inputs: Mapping[str, Any], model_version: int = MODEL_VERSION
     """Write a job's inputs in the one way that its identity is taken from.
 
     One ``name=value`` a line, sorted by name; numbers by their shortest exact text, so that 1 and 1.0, or
-    0.0 and -0.0, are the same; inputs that do not apply (None) are left out, so that a new kind of input
-    changes no id.
+    0.0 and -0.0, are the same; inputs that do not apply (None), and those that came later and are the paper's, are
+    left out, so that a new kind of input changes no id. A model's name follows from its parts.
     """
     lines = [f"model_version={model_version}"]
+    usual = _LATER_OF_PAIRS if inputs.get("kind") == "pair" else _LATER
     for name, value in inputs.items():
-        if value is not None:
+        if value is not None and name != "model" and usual.get(name) != value:
             lines.append(f"{name}={repr(float(value) + 0.0) if name in _FLOATS else json.dumps(value)}")
     return "\n".join(sorted(lines))
 

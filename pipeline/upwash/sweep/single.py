@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
 from upwash.errors import UpwashError
 from upwash.species import load_species
 from upwash.species.file import did_you_mean, printable
-from upwash.sweep.block import RESOLUTION, Block
-from upwash.sweep.choices import CHOICES, PARAMETERS
+from upwash.sweep.block import Block
+from upwash.sweep.choices import CHOICES, MODEL, OF_THE_BIRD, PARAMETERS
 from upwash.sweep.job import BUILT_IN_SOLVER, Job
 from upwash.sweep.values import Setting
 
 
-def single_job(kind: str, species: str, settings: Iterable[str], amplitude: str, **choices: Any) -> Job:
+def single_job(
+    kind: str,
+    species: str,
+    settings: Iterable[str],
+    amplitude: str,
+    model: str | None = None,
+    parts: Mapping[str, Any] | None = None,
+    **choices: Any,
+) -> Job:
     """Make the job of one bird.
 
     Parameters
@@ -28,6 +36,10 @@ def single_job(kind: str, species: str, settings: Iterable[str], amplitude: str,
         Inputs that differ from the species' own, each ``NAME=VALUE`` in SI units, named as in a sweep file.
     amplitude : str
         Amplitude convention.
+    model : str
+        Named model of the wake; the paper's if neither this nor a setting says.
+    parts : mapping, optional
+        Parts of it, and the distance, by options of their own -> value; None for one that is not given.
     **choices
         Objective, seed, tolerance and, of a flock, birds, shape, wake and reading.
 
@@ -44,9 +56,16 @@ def single_job(kind: str, species: str, settings: Iterable[str], amplitude: str,
         if name in fixed:
             raise UpwashError(f"--set {name}: expected each input once, found it twice; leave one out")
         fixed[name] = setting
+    for name, value in {MODEL: model, **(parts or {})}.items():
+        option = f"--{name.replace('_', '-')}"
+        if value is None:
+            continue
+        if name in fixed:
+            raise UpwashError(f"{option}: expected each input once, found {name} in --set too; leave one out")
+        fixed[name] = _checked(option, name, str(value))
     bird = load_species(species)
     # A stroke that no wing can make is a result in a sweep; here it is a mistake, which this finds.
-    bird.bird(amplitude, **{name: one.value for name, one in fixed.items() if name not in RESOLUTION})
+    bird.bird(amplitude, **{name: one.value for name, one in fixed.items() if name in OF_THE_BIRD})
     block = Block(
         kind=kind,
         solver=BUILT_IN_SOLVER,
@@ -69,9 +88,15 @@ def _setting(text: str) -> tuple[str, Setting]:
     if name not in PARAMETERS:
         remedy = did_you_mean(name, PARAMETERS)
         raise UpwashError(f"--set: expected an input, found {printable(name)}; {remedy}")
-    if expected := PARAMETERS[name].broken_by(_number(written)):
-        raise UpwashError(f"--set {name}: expected {expected}, found {printable(written)}; correct it")
-    return name, Setting(_number(written))
+    return name, _checked(f"--set {name}", name, written)
+
+
+def _checked(option: str, name: str, written: str) -> Setting:
+    """Return a parameter's value as it is written, if it can be."""
+    value = _number(written)
+    if expected := PARAMETERS[name].broken_by(value):
+        raise UpwashError(f"{option}: expected {expected}, found {printable(written)}; correct it")
+    return Setting(value)
 
 
 def _number(written: str) -> Any:

@@ -20,9 +20,9 @@ _ROWS = ("linspace", "geomspace")
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A value of a parameter: in its own unit, or as a factor on the species' own value."""
+    """A value of a parameter: in its own unit, or as a factor on the species' own value, or a word."""
 
-    value: float
+    value: Any
     relative: bool = False
 
 
@@ -35,7 +35,7 @@ def is_number(value: Any) -> bool:
     )
 
 
-def settings(spec: Any, only_one: bool = False) -> list[Setting]:
+def settings(spec: Any, only_one: bool = False, worded: bool = False) -> list[Setting]:
     """Read the values of one parameter.
 
     Parameters
@@ -45,6 +45,8 @@ def settings(spec: Any, only_one: bool = False) -> list[Setting]:
         ``geomspace`` (as ``[first, last, count]``), and perhaps ``relative = true``.
     only_one : bool
         Whether just a single value makes sense here.
+    worded : bool
+        Whether a value may be a word.
 
     Raises
     ------
@@ -57,7 +59,7 @@ def settings(spec: Any, only_one: bool = False) -> list[Setting]:
         values = _row(form, spec) if form in _ROWS else spec if form == "values" else [spec]
     else:
         values = spec if isinstance(spec, list) and not only_one else [spec]
-    if not isinstance(values, list) or not values or not all(map(is_number, values)):
+    if not isinstance(values, list) or not values or not all(_is_value(one, worded) for one in values):
         expected = "a finite number" if only_one else "finite numbers"
         raise ValueError(
             f"expected {expected}, found {values if only_one else spec!r}; write {_forms(only_one)}"
@@ -65,6 +67,10 @@ def settings(spec: Any, only_one: bool = False) -> list[Setting]:
     if len(values) > MAX_POINTS:
         raise ValueError(f"expected at most {MAX_POINTS} values, found {len(values)}; shorten the list")
     return [Setting(value, relative) for value in values]
+
+
+def _is_value(value: Any, worded: bool) -> bool:
+    return is_number(value) or (worded and isinstance(value, str))
 
 
 def sampling_range(spec: Any) -> tuple[float, float, bool]:

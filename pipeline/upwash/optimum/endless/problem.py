@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from upwash.aero.checked import REACH
 from upwash.aero.compiled.endless import LEAST_PHASE, MOST_PHASE, EndlessWake
-from upwash.aero.endless import compiled_endless_wake, endless_window
+from upwash.aero.endless import endless_wake_of
 from upwash.aero.pose import Pose, Stroke
-from upwash.aero.wingbeat import wingbeat_steps
 from upwash.optimum.compiled.endless_enclosure import EndlessEnclosure
 from upwash.optimum.endless.bounds import edge_stations, endless_enclosure
 from upwash.optimum.problem import ASTERN, PairProblem
@@ -54,7 +54,9 @@ class EndlessProblem(PairProblem):
                 "span_nodes: expected exact, as optima behind an endless wake are searched and proved, "
                 f"found {self.model.span_nodes!r}"
             )
-        if self.distance_m is None:
+        if self.distance_m is not None:
+            REACH("distance_m", self.distance_m)
+        else:
             object.__setattr__(self, "distance_m", DISTANCE * self.bird.wavelength_m)
         super().__post_init__()
         object.__setattr__(self, "wake_felt", self._wake_felt())
@@ -78,6 +80,15 @@ class EndlessProblem(PairProblem):
         b = self.bird.semispan_m
         phase = (self.distance_m / self.bird.wavelength_m - self.spatial_phase(point)) % 1.0
         return Pose(self.distance_m, y * b, z * b, Stroke(amplitude * b, ratio), phase)
+
+    def point(self, pose: Pose) -> NDArray[np.float64]:
+        """Return a pose in scaled variables."""
+        b = self.bird.semispan_m
+        place = pose.spatial_phase(self.bird.wavelength_m) * self.wavelength
+        stroke = pose.stroke
+        return self.wrapped(
+            np.array([place, pose.y_m / b, pose.z_m / b, stroke.amplitude_m / b, stroke.span_ratio, 0.0])
+        )
 
     def wrapped(self, point: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return a point whose X lies in the bounds, as it may be moved by whole wavelengths."""
@@ -110,14 +121,4 @@ class EndlessProblem(PairProblem):
         return found
 
     def _wake_felt(self) -> EndlessWake:
-        bird, steps = self.bird, wingbeat_steps(self.model)
-        shed = self.leader_height, self.ahead.span_ratio, 1.0, self.wavelength, 1.0, bird.circulation_ratio
-        unit = bird.density_kg_m3 * bird.circulation_m2_s**2 / bird.weight_n
-        return compiled_endless_wake(
-            (endless_window(True, *shed), endless_window(False, *shed)),
-            steps,
-            unit * steps.circulation(bird.circulation_ratio),
-            self.wavelength,
-            self.model.core_radius_ratio,
-            self.model.core,
-        )
+        return endless_wake_of(self.bird, self.ahead, self.model, self.bird.weight_n)

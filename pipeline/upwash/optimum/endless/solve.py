@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,9 @@ from upwash.optimum.solution import Optimum, PairSolution
 
 FINER = 4
 """How many times as many steps a V optimum must stand."""
+
+LOOSER = 1.01
+"""By how much the limit of the amplitude is then raised: a stroke just below it may be just above it in finer steps."""
 
 SAME_COST = 1e-10
 """Costs that differ by no more than this share are one."""
@@ -66,7 +70,9 @@ def solve_endless_pair(problem: EndlessProblem, settings: SearchSettings) -> Pai
     whole = _prove(search, problem.bounds, [], settings)
     v_region = _prove(search, v_bounds, in_v, settings, whole)
     optima = _optima(search)
-    v_best = next((one for one in optima if _is_in_v(problem, one[0]) and _stays_in_v(problem, one[0])), None)
+    v_best = next(
+        (one for one in optima if _is_in_v(problem, one[0]) and stays_in_v(problem, one[0].point)), None
+    )
     unit = problem.leader_cost
     v_wall = _walls(v_region, v_best[0] if v_best else None, v_bounds, problem.bounds)
     v_gap = v_best[0].cost / v_region.lower_bound - 1.0 if v_best else None
@@ -110,10 +116,11 @@ def _prove(
 
     Where the best of the whole lies in the region, its proof is the region's.
     """
+    is_empty = bool(np.any(bounds[:, 0] > bounds[:, 1]))
     inside = [
         basin
         for basin in [*known, *search.basins]
-        if np.all((basin.point >= bounds[:, 0])[1:] & (basin.point <= bounds[:, 1])[1:])
+        if not is_empty and np.all((basin.point >= bounds[:, 0])[1:] & (basin.point <= bounds[:, 1])[1:])
     ]
     best = min(inside, key=lambda basin: basin.cost, default=None)
     if whole and whole.best and best and best.cost <= whole.best.cost * (1.0 + SAME_COST):
@@ -144,7 +151,7 @@ def certify_endless(
     bounds: NDArray[np.float64],
     incumbent: float,
     tolerance: float,
-    budget: int,
+    budget: int = SearchSettings.most_boxes,
     descend: Callable[[NDArray[np.float64]], list[Basin]] | None = None,
 ) -> Certificate:
     """Prove that no feasible point within bounds costs less than an incumbent by more than a tolerance.
@@ -211,10 +218,12 @@ def _is_in_v(problem: EndlessProblem, basin: Basin) -> bool:
     return labels(problem.bird, problem.pose(basin.point).position_m) == V_LABELS
 
 
-def _stays_in_v(problem: EndlessProblem, basin: Basin) -> bool:
+def stays_in_v(problem: EndlessProblem, point: NDArray[np.float64]) -> bool:
     """Whether an optimum of the V stays in it when the wingbeat is told in finer steps."""
-    fine = replace(problem.model, stroke_states=FINER * problem.model.stroke_states)
-    found = EndlessSearch(replace(problem, model=fine)).descend(basin.point[None, :])
+    steps = replace(problem.model, stroke_states=FINER * problem.model.stroke_states)
+    limit = min(LOOSER * problem.amplitude_limit_m, 2.0 * problem.bird.semispan_m)
+    fine = replace(problem, model=steps, amplitude_limit_m=limit)
+    found = EndlessSearch(fine).descend(point[None, :])
     return any(_is_in_v(problem, moved) for moved in found)
 
 
@@ -251,13 +260,16 @@ def _described(
         starts=search.starts,
         is_v_optimum=is_v_optimum,
         is_global_optimum=rank == 0,
-        active_bounds=",".join(evidence.active_bounds),
-        core_edges=", ".join(str(_edge_name(problem, edge)) for edge in evidence.core_edges),
-        stationarity=evidence.stationarity,
-        curvature=evidence.curvature,
-        multiplier_lift=evidence.multiplier_lift,
-        multiplier_thrust=evidence.multiplier_thrust,
+        **endless_evidence_columns(problem, evidence),
     )
+
+
+def endless_evidence_columns(problem: EndlessProblem, evidence: Evidence) -> dict[str, Any]:
+    """Return evidence by the columns of the results."""
+    return vars(evidence) | {
+        "active_bounds": ",".join(evidence.active_bounds),
+        "core_edges": ", ".join(str(_edge_name(problem, edge)) for edge in evidence.core_edges),
+    }
 
 
 def _edge_name(problem: EndlessProblem, edge: int) -> CoreEdge:

@@ -1,0 +1,38 @@
+"""In which models of the wake optima are searched and proved; what is refused before anything runs."""
+
+from __future__ import annotations
+
+from upwash.aero.checked import Rule
+from upwash.aero.wake import WakeModel
+from upwash.optimum.settings import FlockRules
+
+_TWO_STATES = Rule("2 (more are searched and proved behind an endless wake alone)", lambda value: value == 2)
+_EXACT = Rule(
+    "exact (behind an endless wake optima are searched and proved on the whole span)",
+    lambda value: value == "exact",
+)
+_ONE_AHEAD = Rule("neighbour (endless wakes are not added up)", lambda value: value == "neighbour")
+
+
+def need_solvable(model: WakeModel, rules: FlockRules | None = None) -> None:
+    """Refuse a model of the wake in which no optimum can be searched and proved.
+
+    Parameters
+    ----------
+    model : WakeModel
+        The model.
+    rules : FlockRules, optional
+        How the flock is built, if it is one's.
+
+    Raises
+    ------
+    ValueError
+        If it is one; the message names the input.
+    """
+    if not model.is_endless:
+        _TWO_STATES("stroke_states", model.stroke_states)
+        model.of_points()
+        return
+    _EXACT("span_nodes", model.span_nodes)
+    if rules is not None:
+        _ONE_AHEAD("wake", rules.wake)
