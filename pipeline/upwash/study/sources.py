@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,7 +21,11 @@ from upwash.study.studies import samples_beside
 
 # What one problem is told from another by, the objective apart.
 PROBLEM = tuple(name for name in of.names(of.belonging(of.PROBLEM)) if name != "objective")
-NUMBERS = tuple(column.name for column in of.belonging(of.PROBLEM) if column.type == of.FLOAT)
+NUMBERS = tuple(
+    column.name
+    for column in of.belonging(of.PROBLEM)
+    if column.type == of.FLOAT and column.absent == of.NEVER
+)
 
 # A parameter that is drawn as a line has at least so many values.
 LEAST_VALUES = 3
@@ -178,8 +183,13 @@ def _own_inputs(problems: pd.DataFrame) -> pd.Series:
 def _same_problem(rows: pd.DataFrame, problem: pd.Series) -> pd.Series:
     same = pd.Series(True, index=rows.index)
     for name in PROBLEM:
-        same &= rows[name] == problem[name]
+        same &= _is(rows[name], problem[name])
     return same
+
+
+def _is(values: pd.Series, value: Any) -> pd.Series:
+    """Return which values are one, or are absent as that one is."""
+    return values.isna() if pd.isna(value) else values == value
 
 
 def varied_inputs(rows: pd.DataFrame, pair: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -195,7 +205,7 @@ def varied_inputs(rows: pd.DataFrame, pair: pd.DataFrame) -> dict[str, pd.DataFr
     base = pair.iloc[0]
     # How the amplitude was chosen does not matter, but what it came to.
     told_apart = [name for name in PROBLEM if name != "amplitude_convention"]
-    differs = pd.DataFrame({name: rows[name] != base[name] for name in told_apart})
+    differs = pd.DataFrame({name: ~_is(rows[name], base[name]) for name in told_apart})
     count = differs.sum(axis=1)
     varied = {}
     for name in NUMBERS:
