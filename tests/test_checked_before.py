@@ -282,20 +282,30 @@ ENDS = {
     "circulation_ratio": (0.0, 1e9),
     "core_radius_ratio": (1e-3, 1.0),
     "span_nodes": (2, 1000),
-    "stroke_states": (2, 2),
+    "stroke_states": (2, 1000),
     "seed": (0, 2**63 - 1),
     "tolerance": (1e-12, math.nextafter(1.0, 0.0)),
     "birds": (2, 1000),
     "wavelengths": (1, 1000),
+    "distance_m": REACH,
 }
+OF_WORDS = [name for name in PARAMETERS if name not in ENDS]
 
 
-@pytest.mark.parametrize("name", [*PARAMETERS, *CHOICES])
+@pytest.mark.parametrize("name", [name for name in (*PARAMETERS, *CHOICES) if name not in OF_WORDS])
 def test_an_input_reaches_to_its_ends_and_no_further(name):
     for end, beyond in zip(ENDS[name], (-math.inf, math.inf), strict=True):
         step = 1 if beyond > 0 else -1
         assert is_legal(name, end)
         assert not is_legal(name, end + step if isinstance(end, int) else math.nextafter(end, beyond))
+
+
+@pytest.mark.parametrize("name", OF_WORDS)
+def test_an_input_that_is_a_word_is_one_of_those_that_are_told(name):
+    told = PARAMETERS[name].words.removeprefix("one of ").split(", ")
+    assert len(told) > 1
+    assert all(is_legal(name, word) for word in told)
+    assert not any(is_legal(name, word) for word in ("", told[0].upper(), told[0] + "s", 0))
 
 
 @pytest.mark.parametrize(

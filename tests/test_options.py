@@ -53,13 +53,25 @@ VALUES = {
     "--folder": "elsewhere",
     "--shard": "2/3",
     "--size": "9",
+    "--model": "limit",
+    "--wavelengths": "2",
 }
 # An option that needs another: how the command is called without its effect, and with it.
 TOGETHER = {
+    ("optimum", "--distance-m"): (["--model", "limit"], ["--model", "limit", "--distance-m", "1.2"]),
     ("run", "--backend"): ([], ["--backend", "dask", "--scheduler", "tcp://one:1"]),
     ("run", "--scheduler"): tuple(
         ["--backend", "dask", "--scheduler", address] for address in ("tcp://one:1", "tcp://two:2")
     ),
+}
+# What of the limit's wake a job states is not the paper's.
+LIMIT = {
+    "model": "limit",
+    "stroke_states": 32,
+    "stroke_rule": "gauss",
+    "span_nodes": "exact",
+    "wavelengths": "endless",
+    "span_law": "stroke",
 }
 # What an option of a single problem changes in its job, and nothing else.
 IN_THE_JOB = {
@@ -71,7 +83,8 @@ IN_THE_JOB = {
     "--birds": ("3", {"birds": 3}),
     "--shape": ("vee", {"shape": "vee"}),
     "--wake": ("all-upstream", {"wake": "all-upstream"}),
-    "--wavelengths": ("2", {"wavelengths": 2}),
+    "--model": ("limit", LIMIT),
+    "--wavelengths": ("2", {"model": "given", "wavelengths": 2}),
     "--reading": ("lone", {"reading": "lone"}),
 }
 

@@ -16,6 +16,7 @@ IBIS = 'species = "northern-bald-ibis"\n'
 SOBOL = '[{}sample]\nmethod = "sobol"\ncount = {}\n[{}sample.ranges]\n{}'
 # Key -> in the file, in a block, beside it, and an input of which the two have no value in common.
 OF_THE_FILE_AND_OF_A_BLOCK = {
+    "model": ('model = "paper"', 'model = "limit"', "", "model"),
     "species": (IBIS, 'species = "mute-swan"', "", "species"),
     "objective": ('objective = "power"', 'objective = "force"', "", "objective"),
     "amplitude": ('amplitude = "strouhal"', 'amplitude = "stroke-angle"', "", "amplitude_convention"),

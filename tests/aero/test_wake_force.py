@@ -233,3 +233,11 @@ def test_a_longer_wake_acts_as_the_first_wavelength_on_followers_as_much_nearer(
     expected = sum(np.array(wake_force(ibis, LEADER, pose)) for pose in nearer)
     found = wake_force(ibis, LEADER, follower, WakeModel(wavelengths=3))
     assert found == pytest.approx(expected, rel=1e-11, abs=1e-12)
+
+
+def test_numbers_of_a_frame_are_numbers(ibis):
+    """Numpy's whole numbers, as rows of a frame hold them, are points and not the whole span."""
+    told = WakeModel(stroke_states=np.int64(2), span_nodes=np.int64(2), wavelengths=np.int32(1))
+    assert all(type(value) is int for value in (told.stroke_states, told.span_nodes, told.wavelengths))
+    found = state_forces(ibis, LEADER, FOLLOWERS[0], told)
+    assert np.array_equal(found, state_forces(ibis, LEADER, FOLLOWERS[0]))

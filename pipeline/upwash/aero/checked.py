@@ -116,10 +116,16 @@ class Rule:
             for one, another in ((self, other), (other, self))
             for words, holds in one.then
         ]
+
+        def become(value: Any) -> Any:
+            fitting = other if self.broken_by(value) else self
+            return fitting.becomes(value) if fitting.becomes else value
+
         return Rule(
             f"{self.words} or {other.words}",
             lambda value: self.holds(value) or other.holds(value),
-            then=tuple(limits),
+            become,
+            tuple(limits),
         )
 
 

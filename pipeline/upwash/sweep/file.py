@@ -402,7 +402,7 @@ def _refuse_repeated(varied: list[_Varied], sample: Sample | None, keys: dict[st
             raise one.entry.error(
                 f"expected each parameter once, found it in {seen[one.name]} too; delete one"
             )
-        seen[one.name] = str(one.entry.path[-2])
+        seen[one.name] = str(("the keys of the file", *one.entry.path)[-2])
 
 
 def _condition(name: str, entry: Entry) -> Condition:
