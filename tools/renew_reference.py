@@ -1,4 +1,4 @@
-"""Renew what is kept of a run of ``upwash reproduce``: results/reference/, and table and picture of README.md.
+"""Renew what is kept of a run of ``upwash reproduce``: results/reference/, the README's table, pictures in docs/.
 
 ``make reference`` does it, after a change that is meant to change results. What moved shows in the diff of
 summary.csv, which says the same as summary.parquet.
@@ -18,7 +18,7 @@ from upwash.batch.store import SUMMARY, read_table
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "results" / "reference"
 README = ROOT / "README.md"
-PICTURE = ROOT / "docs" / "optimal-position.png"
+PICTURES = [ROOT / "docs" / f"{name}.png" for name in ("optimal-position", "fixed-wings")]
 BLOCK = re.compile(r"(?<=<!-- reproduce: begin -->\n```text\n).*(?=```\n<!-- reproduce: end -->)", re.DOTALL)
 
 COMMAND = [sys.executable, "-c", "from upwash.cli import main; main(prog_name='upwash')", "reproduce"]
@@ -47,7 +47,8 @@ def main() -> None:
         REFERENCE.mkdir(parents=True, exist_ok=True)
         (REFERENCE / "summary.parquet").write_bytes(summary.read_bytes())
         (REFERENCE / "summary.csv").write_text(as_csv(read_table(summary, SUMMARY)), encoding="utf-8")
-        PICTURE.write_bytes((results / "figures" / PICTURE.name).read_bytes())
+        for picture in PICTURES:
+            picture.write_bytes((results / "figures" / picture.name).read_bytes())
     text = README.read_text(encoding="utf-8")
     README.write_text(BLOCK.sub(lambda _: finished.stdout, text), encoding="utf-8")
 

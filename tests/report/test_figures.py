@@ -14,6 +14,7 @@ from upwash.errors import UpwashError
 from upwash.report import figures
 from upwash.report.figures import (
     configurations,
+    fixed_wings,
     flock_formation,
     flock_saving,
     flock_view,
@@ -323,6 +324,23 @@ class TestSpacingRule:
         assert drawn(figure, "found power")[0].get_ydata()[0] == pytest.approx(POWER["y"] / B)
         rule = drawn(figure, "rule power")[0].get_ydata()[0]
         assert rule == pytest.approx(np.pi / 4 + (1 + POWER["r"]) / 2)
+
+
+class TestFixedWings:
+    def test_the_limit_model_meets_its_closed_form_and_two_points_go_beyond_all_there_is(self, pair):
+        figure = fixed_wings.draw(pair)
+        limit, closed = line(figure, "limit"), line(figure, "closed form")
+        # From line to line between the points that are drawn.
+        assert np.interp(closed[:, 0], *limit.T) == pytest.approx(closed[:, 1], abs=2e-3)
+        assert limit[:, 1].max() == pytest.approx(0.537, abs=1e-3)
+        assert line(figure, "two points")[:, 1].max() == pytest.approx(1.336, abs=1e-3)
+        assert line(figure, "elliptic")[:, 1].max() == pytest.approx(0.686, abs=1e-3)
+
+    def test_both_wings_together_save_the_same_everywhere(self, pair):
+        figure = fixed_wings.draw(pair)
+        both = line(figure, "both")[:, 1]
+        assert np.ptp(both) < 1e-6
+        assert both == pytest.approx(line(figure, "follower")[:, 1] + line(figure, "leader")[:, 1])
 
 
 class TestOptimaMap:

@@ -81,7 +81,7 @@ class TestLoading:
             for name in chapter.figures
             if not name.startswith(("species", "speed", "parameter"))
         ]
-        assert len(widths) == len(shown) == 9
+        assert len(widths) == len(shown) == 10
         assert all(width > 300 for width in widths)
 
     @pytest.mark.parametrize("width", [320, 390, 1000, 1280])
@@ -240,7 +240,7 @@ class TestContent:
             'Array.from(document.querySelectorAll("a[download]"), (link) => link.getAttribute("href"))'
         )
         assert "solutions.parquet" in links and "../flock/flock.parquet" in links
-        assert len(links) == 9 * 3 + 5
+        assert len(links) == 10 * 3 + 5
         assert all((written.parent / link).stat().st_size > 1000 for link in links)
 
     def test_the_line_shown_makes_the_figure(self, page, tmp_path, monkeypatch):

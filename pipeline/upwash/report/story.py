@@ -145,7 +145,7 @@ CHAPTERS = (
         "Lift and thrust from the wake are large in few places, and seldom both in one. The best place is where "
         "what is missing to fly with a smaller stroke is made up in both at once, with the inner wingtip at a vortex's "
         "edge.",
-        ("force-maps", "spacing-rule"),
+        ("force-maps", "spacing-rule", "fixed-wings"),
         "It takes the optimum of a pair.",
     ),
     Chapter(

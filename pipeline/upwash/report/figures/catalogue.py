@@ -15,6 +15,7 @@ from upwash.batch.store import cannot_write, replacing
 from upwash.errors import UpwashError
 from upwash.report.figures import (
     configurations,
+    fixed_wings,
     flock_formation,
     flock_saving,
     flock_view,
@@ -41,6 +42,7 @@ FIGURES: dict[str, Picture] = {
         optimal_position.PICTURE,
         force_maps.PICTURE,
         spacing_rule.PICTURE,
+        fixed_wings.PICTURE,
         optima_map.PICTURE,
         flock_formation.PICTURE,
         flock_view.PICTURE,
