@@ -172,12 +172,16 @@ class PairProblem:
         """Of each bird other than the one ahead whose wake is felt, how it flaps, and a pose relative to it."""
         return []
 
-    def _lanes(self) -> NDArray[np.float64]:
+    def lanes_weighed(self, steady: NDArray[np.float64], sliding: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Lay out the lanes of `wake` with phase weights β₀ and β₁, as for `upwash.aero.lanes.wake_lanes`."""
         bird, states = self.bird, self.model.stroke_states
         unit = 2.0 * bird.density_kg_m3 * bird.semispan_m * bird.circulation_m2_s / bird.weight_n
         follower = np.array([unit * state_circulation_ratio(bird, k, states) for k in range(states)])
         self.model.of_points()
-        return wake_lanes(self.wake(), *self.phase_ramp(), follower, states, self.model.span_nodes)
+        return wake_lanes(self.wake(), steady, sliding, follower, states, self.model.span_nodes)
+
+    def _lanes(self) -> NDArray[np.float64]:
+        return self.lanes_weighed(*self.phase_ramp())
 
     def _constants(self) -> NDArray[np.float64]:
         bird, cost = self.bird, self.cost_function

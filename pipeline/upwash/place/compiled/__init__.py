@@ -1,0 +1,1 @@
+"""The loops of the balance at a given place, compiled."""
