@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from upwash import Bird
+from upwash import Bird, load_species
 from upwash.optimum.edges import edge_distance
+from upwash.optimum.evidence import gather_evidence
 from upwash.optimum.local import BALANCED, SCALE, SOLVED, UNBALANCED, solve_local
 from upwash.optimum.problem import CORE2, DRAG, PairProblem, evaluate
 from upwash.optimum.search import Search
@@ -128,6 +129,21 @@ def test_the_same_start_ends_in_the_same_digits(solver):
         solver(start)
         assert np.array_equal(solver.end, end) and solver.cost == cost and np.array_equal(solver.pins, pins)
         assert np.array_equal(start, kept)
+
+
+@pytest.mark.parametrize("species", ["dunlin", "great-white-pelican", "mute-swan", "northern-bald-ibis"])
+@pytest.mark.parametrize("objective", ["force", "power"])
+def test_whatever_counts_as_solved_is_stationary(species, objective):
+    """Also where edges and bounds meet in one corner, and are no longer independent of one another."""
+    solver = Solver(PairProblem(load_species(species).bird(), objective))
+    solved = 0
+    for start in solver.random_starts(150):
+        if solver(start) == SOLVED:
+            search = solver.search
+            found = gather_evidence(solver.problem, search.group, search.representative, solver.end)
+            assert found.stationarity < 1e-9
+            solved += 1
+    assert solved > 140
 
 
 def test_where_nothing_balances_a_solve_says_so(ibis):

@@ -134,3 +134,26 @@ def test_a_programme_that_is_not_convex_is_refused():
     programme = Programme(0, count=0)
     programme.hessian = -np.eye(6)
     assert not programme.solve()
+
+
+class Vertex(Programme):
+    """Two edges that differ in the sign of one slope meet where that variable's bound makes them one."""
+
+    def __init__(self, seed):
+        super().__init__(seed, 1e6, count=3)
+        rng = np.random.default_rng(seed)
+        self.upper[3] = 0.0
+        self.slopes[2] = self.slopes[0]
+        self.slopes[2, 3] *= -1.0
+        self.levels[[0, 2]] = -1e-15 * rng.random()
+        # 0 is the minimiser: the slope is one of edges and bound with multipliers that are not negative.
+        first, second, bound = 0.01 * rng.random(3)
+        self.linear = first * self.slopes[0] + second * self.slopes[2] - bound * np.eye(6)[3]
+
+
+def test_constraints_that_are_linearly_dependent_are_not_met_and_released_for_ever():
+    for seed in range(1000):
+        vertex = Vertex(seed)
+        assert vertex.solve(), seed
+        assert np.max(np.abs(vertex.step)) < 1e-8
+        assert np.all(vertex.multipliers >= -1e-9)

@@ -358,6 +358,9 @@ def solve_local(start, lanes, group, representative, constants, bounds, point, m
         merit += penalty * imbalance
         predicted += penalty * left
         if size < CONVERGED_STEP:
+            # No step from a programme that could not be solved says nothing.
+            if not solved:
+                break
             status = SOLVED if imbalance < BALANCED else UNBALANCED
             if imbalance >= BALANCED and largest < TRUSTED_MULTIPLIER and trust > 1e-8:
                 multipliers[0], multipliers[1] = new_multipliers[0], new_multipliers[1]

@@ -17,6 +17,12 @@ MOST_INEQUALITIES = 10
 MOST_CHANGES = 60
 TOLERANCE = 1e-12
 
+MANY_CHANGES, NEGLIGIBLE = 30, 1e-8
+"""After so many changes a direction that is as short as this, and leads nowhere, is taken for none.
+
+Where constraints are linearly dependent their multipliers are ambiguous: one would be released and met again for ever.
+"""
+
 
 @kernel
 def _cholesky(matrix, n):
@@ -97,7 +103,7 @@ def solve_quadratic(
     for k in range(count):
         is_active[k] = False
         multipliers[k] = 0.0
-    for _ in range(MOST_CHANGES):
+    for change_count in range(MOST_CHANGES):
         free_count, active_count = 0, 0
         for i in range(N):
             gradient[i] = linear[i]
@@ -174,7 +180,10 @@ def solve_quadratic(
         for i in range(N):
             if at_bound[i] == 0:
                 step[i] += length * direction[i]
-        if blocking >= 0:
+        longest = 0.0
+        for i in range(N):
+            longest = max(longest, abs(direction[i]))
+        if blocking >= 0 and not (change_count >= MANY_CHANGES and longest < NEGLIGIBLE):
             if side == 2:
                 is_active[blocking] = True
             else:
