@@ -39,7 +39,7 @@ class Bench:
         self.folder = folder
         self.results = folder / "results" / "sweep"
         self.log = logs / "solved.log"
-        self.marker = logs / "mended"
+        self.marker = logs / "fixed"
         self.marker.unlink(missing_ok=True)
         self.before = self.all_solved()
 
@@ -86,7 +86,7 @@ class Bench:
         """Return the summary, apart from what was measured."""
         return pq.read_table(self.results / "summary.parquet").drop_columns(["solve_time_s"])
 
-    def mend(self):
+    def fix(self):
         """Let waiting jobs go on, and failing ones succeed."""
         self.marker.touch()
 
@@ -130,7 +130,7 @@ def logs(tmp_path_factory):
     folder = tmp_path_factory.mktemp("logs")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UPWASH_TEST_LOG", str(folder / "solved.log"))
-        patch.setenv("UPWASH_TEST_MENDED", str(folder / "mended"))
+        patch.setenv("UPWASH_TEST_FIXED", str(folder / "fixed"))
         patch.setenv("PYTHONPATH", str(HERE))
         yield folder
 

@@ -20,8 +20,8 @@ def log(text):
         os.close(descriptor)
 
 
-def is_mended():
-    return Path(os.environ.get("UPWASH_TEST_MENDED", "/nonexistent")).exists()
+def is_fixed():
+    return Path(os.environ.get("UPWASH_TEST_FIXED", "/nonexistent")).exists()
 
 
 def row(job, rank=0, **more):
@@ -52,7 +52,7 @@ def slow(job):
 
 def told_at_both_ends(job):
     log(f"begun:{job.job_id}")
-    time.sleep(0.02)
+    time.sleep(0.2)
     log(f"ended:{job.job_id}")
     return "solved", "", [row(job)]
 
@@ -61,16 +61,16 @@ def waiting_when_heavy(job):
     """Wait, beyond 1.25 kg, until the test lets go; a minute at most."""
     log(job.job_id)
     for _ in range(6000):
-        if job.mass_kg <= 1.25 or is_mended():
+        if job.mass_kg <= 1.25 or is_fixed():
             break
         time.sleep(0.01)
     return "solved", "", [row(job, 0), row(job, 1)]
 
 
 def failing_when_heavy(job):
-    """Fail beyond 1.25 kg, unless a file says that the fault is mended."""
+    """Fail beyond 1.25 kg, unless a file says that the fault is fixed."""
     log(job.job_id)
-    if job.mass_kg > 1.25 and not is_mended():
+    if job.mass_kg > 1.25 and not is_fixed():
         raise ZeroDivisionError("a bird too heavy,\nover two lines")
     return "solved", "", [row(job)]
 
@@ -129,11 +129,11 @@ def unknown_column_when_heavy(job):
 
 
 def mixed(job):
-    """Be solved below 1.2 kg, infeasible below 1.3 kg, and fail beyond, unless the fault is mended."""
+    """Be solved below 1.2 kg, infeasible below 1.3 kg, and fail beyond, unless the fault is fixed."""
     log(job.job_id)
     if 1.2 <= job.mass_kg < 1.3:
         return "infeasible", "nowhere to fly", []
-    if job.mass_kg >= 1.3 and not is_mended():
+    if job.mass_kg >= 1.3 and not is_fixed():
         raise ZeroDivisionError("a bird too heavy")
     return "solved", "", [row(job)]
 
@@ -153,7 +153,7 @@ def lasting(job):
 def on_a_full_disk_when_heavy(job):
     """Meet a full disk beyond 1.25 kg, unless a file says that there is room again."""
     log(job.job_id)
-    if job.mass_kg > 1.25 and not is_mended():
+    if job.mass_kg > 1.25 and not is_fixed():
         raise OSError(errno.ENOSPC, "No space left on device", "/scratch/of/the/solver")
     return "solved", "", [row(job)]
 

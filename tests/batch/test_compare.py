@@ -144,6 +144,6 @@ class TestRerun:
         bench.run(code=1)
         failed = next(path.stem for path in bench.job_files() if "Zero" in str(pq.read_table(path)["error"]))
         bench("rerun", "results/sweep", failed)
-        bench.mend()
+        bench.fix()
         out, _ = bench("rerun", "results/sweep", failed, code=3)
         assert {"status", "error", "cost"} <= {line.split(":")[0] for line in out.splitlines()}

@@ -87,7 +87,7 @@ def test_a_worker_that_dies_costs_nothing(bench, cluster):
     wait_until(lambda: len(bench.job_files()) == 3)
     os.kill(cluster.worker_processes()[0], signal.SIGKILL)
     time.sleep(0.5)
-    bench.mend()
+    bench.fix()
     _, said = process.communicate(timeout=120)
     assert process.returncode == 0, said
     assert bench.status()["solved"] == 6

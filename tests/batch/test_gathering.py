@@ -160,7 +160,7 @@ def test_what_failed_in_a_part_gives_way_to_what_is_solved_later(bench, few):
     bench.sweep("failing_when_heavy", 40)
     bench.run(code=1)
     assert bench.status(code=1)["failed"] == 20
-    bench.mend()
+    bench.fix()
     assert "20 done now, 20 before" in bench.run("--retry-failed")[1]
     assert bench.status()["solved"] == 40
     bench("aggregate", "results/sweep")

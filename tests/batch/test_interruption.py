@@ -66,7 +66,7 @@ def test_a_request_to_stop_is_met_cleanly(bench, half_done, send, request_to_sto
         "Interrupted: 3 of 6 jobs are done and kept in results/sweep; run the same command again to go on"
     )
     wait_until(lambda: not group_lives(half_done))
-    bench.mend()
+    bench.fix()
     assert "3 done now, 3 before" in bench.run()[1]
 
 
@@ -107,7 +107,7 @@ def test_a_worker_that_the_system_kills_costs_no_job(bench, half_done):
     os.kill(int(found.stdout.split()[-1]), signal.SIGKILL)
     # The jobs that were in flight are begun again, one at a time.
     wait_until(lambda: max(bench.solved().values()) == 2)
-    bench.mend()
+    bench.fix()
     _, said = half_done.communicate(timeout=60)
     assert half_done.returncode == 0, said
     assert bench.status()["solved"] == 6

@@ -66,7 +66,7 @@ def test_the_parts_stay_as_they_are_and_nothing_is_overwritten(shards):
 def test_what_failed_in_one_and_is_solved_in_another_is_solved(bench):
     bench.sweep("failing_when_heavy", 4)
     bench.run("--results", "a", code=1)
-    bench.mend()
+    bench.fix()
     bench.run("--results", "b")
     for parts in (("a", "b"), ("b", "a")):
         shutil.rmtree(bench.results, ignore_errors=True)

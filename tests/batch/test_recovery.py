@@ -55,7 +55,7 @@ def test_failed_jobs_are_done_again_and_infeasible_ones_are_not(bench):
     before = bench.solved()
     assert "0 done now, 6 before, 2 failed" in bench.run(code=1)[1]
     assert bench.solved() == before
-    bench.mend()
+    bench.fix()
     assert "2 done now, 4 before" in bench.run("--retry-failed")[1]
     again = bench.solved() - before
     assert set(again.values()) == {1} and len(again) == 2
@@ -67,7 +67,7 @@ def test_a_failure_that_lies_beside_a_result_does_not_count(bench):
     bench.sweep("failing_when_heavy", 4)
     bench.run(code=1)
     failures = {path: path.read_bytes() for path in bench.job_files()}
-    bench.mend()
+    bench.fix()
     bench.run("--retry-failed")
     bench("aggregate", "results/sweep")
     for path, data in failures.items():
@@ -101,7 +101,7 @@ class TestLock:
         kill(process)
         assert all(path.exists() for path in with_lock)
         assert not bench.status()["is_running"]
-        bench.mend()
+        bench.fix()
         bench.run("--shard", shard)
         bench("aggregate", "results/sweep")
 

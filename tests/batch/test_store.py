@@ -173,8 +173,8 @@ def failing_with(number):
 
 class TestRowsOfAnyKind:
     @pytest.fixture(autouse=True)
-    def _unmended(self, logs):
-        (logs / "mended").unlink(missing_ok=True)
+    def _unfixed(self, logs):
+        (logs / "fixed").unlink(missing_ok=True)
 
     @pytest.mark.parametrize(
         ("solver", "error"),

@@ -14,8 +14,8 @@ from pathlib import Path
 import pyarrow as pa
 
 from upwash.batch.folder import RETIRED, SUMMARY, Plan, ResultsFolder
-from upwash.batch.mend import verified_index
 from upwash.batch.merging import merged, only, sources_of, without
+from upwash.batch.recovery import verified_index
 from upwash.batch.store import (
     GATHERED,
     TableWriter,

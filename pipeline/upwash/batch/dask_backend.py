@@ -1,4 +1,4 @@
-"""joblib's dask backend, mended in two places where it would hang, or compute in the wrong process."""
+"""joblib's dask backend, patched in two places where it would hang, or compute in the wrong process."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class KilledBatch(Exception):
         self.jobs = jobs
 
 
-class MendedDaskBackend(DaskDistributedBackend):
+class PatchedDaskBackend(DaskDistributedBackend):
     """Tells joblib of a task that was lost, and never runs tasks in this process."""
 
     def submit(self, func: Any, callback: Callable[[Any], None] | None = None) -> Future:

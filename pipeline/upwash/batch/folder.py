@@ -132,7 +132,7 @@ class ResultsFolder:
 
     def cannot(self, do_what: str, error: OSError) -> UpwashError:
         """Build the one line that says why the folder cannot be used."""
-        remedy = "mend that, or take another folder by --results"
+        remedy = "fix that, or take another folder by --results"
         return UpwashError(f"{self.path}: expected to {do_what}, found: {error.strerror}; {remedy}")
 
     def require(self) -> None:

@@ -23,8 +23,8 @@ from upwash.batch.folder import OF_OWN, Entry, Plan, ResultsFolder, Shard, journ
 from upwash.batch.gather import Gathering
 from upwash.batch.index import Known, read_index
 from upwash.batch.job import Bundle, compiling, encode, failed_rows, run_batch
-from upwash.batch.mend import verified_index
 from upwash.batch.progress import Progress
+from upwash.batch.recovery import verified_index
 from upwash.batch.selection import in_shard, is_to_run
 from upwash.batch.store import schema_in, sync, write_atomic
 from upwash.batch.workers import LOKY, stop, workers
@@ -188,7 +188,7 @@ class _FirstFailure(Exception):
 
 
 def _index(folder: ResultsFolder, shard: Shard, tell: Callable[[str], None]) -> dict[str, Known]:
-    # Shards share the folder while they run: whoever has it alone, an unsharded run or `aggregate`, mends it.
+    # Shards share the folder while they run: whoever has it alone, an unsharded run or `aggregate`, fixes it.
     return read_index(folder) if shard.count > 1 else verified_index(folder, tell)
 
 

@@ -260,7 +260,7 @@ def cannot_write(path: Path, error: OSError) -> UpwashError:
     """Build the one line that says why a file cannot be written."""
     found = error.strerror or str(error)
     return UpwashError(
-        f"{path}: expected to write it, found: {found}; what was finished is kept: make room or mend the "
+        f"{path}: expected to write it, found: {found}; what was finished is kept: make room or fix the "
         "permissions, then run the same command again"
     )
 
@@ -300,7 +300,7 @@ def noticing(path: Path) -> Iterator[None]:
         raise
     except OSError as error:
         if error.errno is not None:
-            raise UpwashError(f"{path}: expected to read it, found: {error.strerror}; mend that") from error
+            raise UpwashError(f"{path}: expected to read it, found: {error.strerror}; fix that") from error
         raise Damaged(f"{path}: {' '.join(str(error).split())[:200]}") from error
 
 

@@ -56,7 +56,7 @@ def workers(backend: str, scheduler: str = "") -> Iterator[type[BaseException]]:
         from distributed import Client, Security
         from distributed.comm.core import connect
 
-        from upwash.batch.dask_backend import KilledBatch, MendedDaskBackend
+        from upwash.batch.dask_backend import KilledBatch, PatchedDaskBackend
     except ImportError as error:
         remedy = "pip install 'upwash[distributed]'"
         raise UpwashError(
@@ -81,7 +81,7 @@ def workers(backend: str, scheduler: str = "") -> Iterator[type[BaseException]]:
         if not _has_workers(client):
             remedy = f"start some by 'dask worker {scheduler} --nthreads 1'"
             raise UpwashError(f"--scheduler: expected workers at {scheduler}, found none; {remedy}")
-        with parallel_config(backend=MendedDaskBackend(client=client)):
+        with parallel_config(backend=PatchedDaskBackend(client=client)):
             yield KilledBatch
 
 

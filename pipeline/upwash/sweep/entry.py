@@ -117,7 +117,7 @@ def read_toml(path: Path) -> tuple[str, Entry]:
         raw = path.read_bytes()
     except OSError as error:
         found = f"one that cannot ({error.strerror})"
-        raise UpwashError(f"{shown}: expected a file that can be read, found {found}; mend that") from error
+        raise UpwashError(f"{shown}: expected a file that can be read, found {found}; fix that") from error
     try:
         text = raw.decode("utf-8-sig").replace("\r\n", "\n")
         content = tomllib.loads(text)
