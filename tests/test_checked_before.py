@@ -12,6 +12,8 @@ from upwash.aero.checked import rules_of
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.errors import UpwashError
+from upwash.jobs.flock import Flock
+from upwash.jobs.pair import Pair
 from upwash.optimum.settings import FLOCK_CHOICES, FlockRules, SearchSettings
 from upwash.species import AMPLITUDE_CONVENTIONS
 from upwash.species.library import LIBRARY_FOLDER
@@ -89,7 +91,7 @@ class TestParameters:
 
     def test_on_the_command_line(self, name, text):
         with pytest.raises(UpwashError, match=f"--set {name}: expected ") as refused:
-            single_job("pair", "northern-bald-ibis", [f"{name}={text}"], "stroke-angle", **USUAL)
+            single_job(Pair, "northern-bald-ibis", [f"{name}={text}"], "stroke-angle", **USUAL)
         assert "found " in str(refused.value)
 
     def test_from_python(self, name, text):
@@ -122,7 +124,7 @@ class TestChoices:
             assert_refused(f"{head}{name} = {written}", tmp_path, name, "found ")
 
     def test_on_the_command_line(self, name, text):
-        kind, choices = ("flock", USUAL | FLOCK) if name in FLOCK else ("pair", USUAL)
+        kind, choices = (Flock, USUAL | FLOCK) if name in FLOCK else (Pair, USUAL)
         with pytest.raises(UpwashError, match=f"--{name}: expected .*, found "):
             single_job(kind, "northern-bald-ibis", [], "stroke-angle", **choices | {name: NO_INPUT[text]})
 
@@ -174,7 +176,7 @@ class TestNoBird:
     def test_on_the_command_line(self, settings):
         ((name, value),) = settings.items()
         with pytest.raises(UpwashError, match=f"{name}: .* look at the values and units"):
-            single_job("pair", "northern-bald-ibis", [f"{name}={value}"], "stroke-angle", **USUAL)
+            single_job(Pair, "northern-bald-ibis", [f"{name}={value}"], "stroke-angle", **USUAL)
 
     def test_from_python(self, settings):
         with pytest.raises(UpwashError, match="look at the values and units"):

@@ -7,6 +7,7 @@ from click.testing import CliRunner
 from upwash import columns as of
 from upwash.cli import main
 from upwash.errors import UpwashError
+from upwash.jobs.pair import Pair
 from upwash.sweep import read_sweep
 from upwash.sweep.single import single_job
 
@@ -18,9 +19,7 @@ def optimum(*arguments):
 
 
 def job(*settings, species=IBIS, amplitude="stroke-angle", objective="force", seed=0, tolerance=1e-4):
-    return single_job(
-        "pair", species, settings, amplitude, objective=objective, seed=seed, tolerance=tolerance
-    )
+    return single_job(Pair, species, settings, amplitude, objective=objective, seed=seed, tolerance=tolerance)
 
 
 class TestPrints:

@@ -17,6 +17,8 @@ from upwash.batch.check import Checked
 from upwash.batch.dry_run import Foresight
 from upwash.batch.runner import Tally
 from upwash.errors import UpwashError
+from upwash.jobs.flock import Flock
+from upwash.jobs.run import Ended
 
 IBIS = "northern-bald-ibis"
 RESULTS = "results/pair"
@@ -156,13 +158,13 @@ def see(template, tmp_path, monkeypatch):
         raise UpwashError("far enough")
 
     def rows(job):
-        if job.flock:
-            return studies.complete(studies.flock_rows(job.flock.birds)[: job.flock.birds], "flock")
+        if isinstance(job.kind, Flock):
+            return studies.complete(studies.flock_rows(job.kind.birds)[: job.kind.birds], "flock")
         return studies.complete([one for one in studies.pair_rows() if one["objective"] == "force"], "pair")
 
-    stand_in("upwash.batch.job.solve", rows)
-    stand_in("upwash.batch.job.run_job", rows)
-    stand_in("upwash.batch.job.flock_of", lambda job: job)
+    stand_in("upwash.jobs.run.solve", rows)
+    stand_in("upwash.jobs.run.run_job", lambda job: Ended(job, rows(job)))
+    stand_in("upwash.jobs.flock.flock_of", lambda job: job)
     stand_in("upwash.optimum.joint.improve_together", stop)
     stand_in("upwash.report.figures.catalogue.save_all", lambda *given: [])
     stand_in("upwash.report.animation.write_animation", lambda birds, path: None)
@@ -221,7 +223,7 @@ def test_an_option_of_a_problem_changes_its_own_input_alone(monkeypatch, path, n
         jobs.append(job.inputs())
         raise UpwashError("far enough")
 
-    monkeypatch.setattr("upwash.batch.job.solve", solve)
+    monkeypatch.setattr("upwash.jobs.run.solve", solve)
     value, expected = IN_THE_JOB[name]
     for options in ([], [name, value]):
         CliRunner().invoke(cli.main, [path, IBIS, *options])

@@ -12,9 +12,10 @@ import pytest
 from click.testing import CliRunner
 from renew_claims import kept
 from renew_reference import BLOCK, COMMAND, README, REFERENCE, as_csv
-from upwash.batch.store import SOLUTIONS, SUMMARY, TableWriter, metadata_of, read_table
+from upwash.batch.store import TableWriter, metadata_of, read_table
 from upwash.cli import main
 from upwash.cli import reproduce as module
+from upwash.jobs.pair import Pair
 from upwash.paper.ledger import tally
 from upwash.report.claims import counts
 from upwash.report.figures import FIGURES
@@ -119,7 +120,7 @@ class TestFreshRun:
         assert pd.read_parquet(results / "claims.parquet").equals(claims)
 
     def test_the_kept_table_for_people_is_the_kept_table(self):
-        kept = read_table(REFERENCE / "summary.parquet", SUMMARY)
+        kept = read_table(REFERENCE / "summary.parquet", Pair.summary)
         assert (REFERENCE / "summary.csv").read_text(encoding="utf-8") == as_csv(kept)
 
     def test_json_says_the_same(self, results, undrawn):
@@ -151,7 +152,7 @@ class TestReadme:
 
 class TestChecks:
     def test_results_that_are_not_those_kept_are_shown_and_named(self, fresh, results, reference, undrawn):
-        multiply(reference / "summary.parquet", SUMMARY, "cost", 1.0 + 1e-6)
+        multiply(reference / "summary.parquet", Pair.summary, "cost", 1.0 + 1e-6)
         result = again(results)
         assert result.exit_code == 3
         assert result.stdout == fresh[1].stdout
@@ -159,11 +160,11 @@ class TestChecks:
         assert "upwash diff" in result.stderr.splitlines()[-1]
 
     def test_the_last_digits_may_differ(self, results, reference, undrawn):
-        multiply(reference / "summary.parquet", SUMMARY, "cost", 1.0 + 1e-9)
+        multiply(reference / "summary.parquet", Pair.summary, "cost", 1.0 + 1e-9)
         assert again(results).exit_code == 0
 
     def test_results_that_do_not_hold_are_not_shown(self, results):
-        multiply(results / "solutions.parquet", SOLUTIONS, "power_total_w", 1.001)
+        multiply(results / "solutions.parquet", Pair.rows, "power_total_w", 1.001)
         result = again(results)
         assert (result.exit_code, result.stdout) == (3, "")
         assert "power_total_w: expected" in result.stderr.splitlines()[-1]

@@ -5,10 +5,10 @@ from collections import Counter
 
 import pytest
 from upwash.errors import UpwashError
+from upwash.jobs.flock import Flock
 from upwash.optimum.settings import FlockRules
 from upwash.species import load_species
 from upwash.sweep import file, read_sweep
-from upwash.sweep.job import Flock
 from upwash.sweep.toml_lines import key_lines, line_of
 
 IBIS = 'species = "northern-bald-ibis"\n'
@@ -65,7 +65,7 @@ class TestChoices:
     def test_a_species_alone_is_one_pair_by_the_defaults(self, jobs):
         (job,) = jobs(IBIS)
         bird = load_species("northern-bald-ibis").bird()
-        assert (job.kind, job.objective, job.amplitude_convention) == ("pair", "force", "stroke-angle")
+        assert (job.kind.name, job.objective, job.amplitude_convention) == ("pair", "force", "stroke-angle")
         assert (job.inputs()["leader_amplitude_m"], job.inputs()["leader_upstroke_span_ratio"]) == (
             bird.amplitude_m,
             bird.upstroke_span_ratio,
@@ -104,7 +104,7 @@ class TestChoices:
 
     def test_flocks_take_the_papers_by_default_and_lists_multiply(self, jobs):
         (default,) = jobs(IBIS + 'kind = "flock"\n')
-        assert default.flock == Flock(6, FlockRules("echelon", "neighbour", "immediate"))
+        assert default.kind == Flock(6, FlockRules("echelon", "neighbour", "immediate"))
         text = (
             IBIS + 'kind = "flock"\n[flock]\nbirds = [2, 3]\nshape = ["vee", "echelon"]\nreading = "lone"\n'
         )

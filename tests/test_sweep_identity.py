@@ -11,9 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from upwash import columns as of
 from upwash.aero.wake import WakeModel
+from upwash.jobs.bird import NoBird
+from upwash.jobs.job import canonical_text, job_id
 from upwash.optimum.settings import FLOCK_CHOICES, SearchSettings
 from upwash.sweep import Job
-from upwash.sweep.job import NoBird, canonical_text, job_id
 
 INPUT = {
     "kind": "pair",

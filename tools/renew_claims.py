@@ -9,9 +9,9 @@ import re
 from pathlib import Path
 
 import pandas as pd
-from upwash.batch.job import run_job
-from upwash.batch.store import ROWS, table_of
 from upwash.columns import FLOAT
+from upwash.jobs.run import run_job
+from upwash.jobs.schema import table_of
 from upwash.paper import CLAIM_COLUMNS, gather_evidence, judge_claims
 from upwash.paper.evidence import FLOCKS, SPEEDS
 from upwash.paper.ledger import NOISE
@@ -49,7 +49,7 @@ from `make reference`; a test fails when a verdict is no longer the one shown he
 def solved(sweep: str) -> pd.DataFrame:
     """Solve the jobs of a sweep in this process and return their rows."""
     jobs = read_sweep(sweep).jobs
-    return table_of([row for job in jobs for row in run_job(job)], ROWS[jobs[0].kind]).to_pandas()
+    return table_of([row for job in jobs for row in run_job(job).rows], jobs[0].kind.rows).to_pandas()
 
 
 def as_csv(ledger: pd.DataFrame) -> str:

@@ -13,7 +13,8 @@ from pathlib import Path
 import pandas as pd
 import pyarrow as pa
 from upwash import columns as of
-from upwash.batch.store import SUMMARY, read_table
+from upwash.batch.store import read_table
+from upwash.jobs.pair import Pair
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "results" / "reference"
@@ -46,7 +47,7 @@ def main() -> None:
         summary = results / "summary.parquet"
         REFERENCE.mkdir(parents=True, exist_ok=True)
         (REFERENCE / "summary.parquet").write_bytes(summary.read_bytes())
-        (REFERENCE / "summary.csv").write_text(as_csv(read_table(summary, SUMMARY)), encoding="utf-8")
+        (REFERENCE / "summary.csv").write_text(as_csv(read_table(summary, Pair.summary)), encoding="utf-8")
         for picture in PICTURES:
             picture.write_bytes((results / "figures" / picture.name).read_bytes())
     text = README.read_text(encoding="utf-8")

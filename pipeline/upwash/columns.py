@@ -51,6 +51,15 @@ MEASURED = Agreement(compared=False)
 # An id follows from the inputs, which are compared themselves, and the model's version, which may differ.
 FOLLOWS = MEASURED
 
+Cell = float | int | bool | str | None
+"""What may stand in a column of a row."""
+
+Row = dict[str, Cell]
+"""A row that is to be stored: its values by column."""
+
+Stored = Mapping[str, Any]
+"""A row as it is read again: of what type each column's values are its schema says."""
+
 FLOAT, INTEGER, TEXT, TRUTH = "float", "integer", "text", "truth"
 
 # To what a value belongs: how a job ended; the problem, how it is to be solved, and what it took; what is true of the

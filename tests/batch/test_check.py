@@ -6,11 +6,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from upwash import columns as of
-from upwash.batch import store
 from upwash.batch.check import of_rows
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.lookup import rows_of
-from upwash.batch.summary import summary_of
+from upwash.jobs.flock import Flock
+from upwash.jobs.pair import Pair
+from upwash.jobs.schema import table_of
 
 RECOMPUTED = [
     *("weight_n", "drag_n", "lift_self_n", "thrust_self_n", "lift_wake_n", "thrust_wake_n"),
@@ -210,7 +211,7 @@ class TestFlocks:
         lost |= {"status": "infeasible", "error": error}
         ended = [*birds[:3], lost]
         assert of_rows(ended, "here") == []
-        (row,) = summary_of(store.table_of(ended, store.FLOCK), "flock").to_pylist()
+        (row,) = Flock.summarise(table_of(ended, Flock.rows)).to_pylist()
         assert (row["status"], row["error"], row["birds_placed"]) == (
             "infeasible",
             error,
@@ -309,7 +310,7 @@ def test_failed_and_infeasible_jobs_are_in_order(bench):
     bench.run()
     bench("aggregate", "results/sweep")
     assert "2 jobs, all in order" in bench("check", "results/sweep")[1]
-    assert store.SUMMARY.names[-1] == "optima_found"
+    assert Pair.summary.names[-1] == "optima_found"
 
 
 def test_inputs_that_make_no_bird_have_nothing_to_prove(bench):

@@ -13,8 +13,7 @@ from conftest import Bench
 from upwash import columns as of
 from upwash.batch.check import check
 from upwash.batch.folder import Plan, ResultsFolder
-from upwash.batch.store import GATHERED
-from upwash.batch.summary import summary_of
+from upwash.jobs.kinds import KINDS
 
 SCHEMAS = {"pair": of.SOLUTIONS_COLUMNS, "flock": of.FLOCK_COLUMNS}
 SUMMARIES = {"pair": of.PAIR_SUMMARY, "flock": of.FLOCK_SUMMARY}
@@ -24,24 +23,24 @@ MADE_UP = {of.FLOAT: 1.0, of.INTEGER: 1, of.TEXT: "made up", of.TRUTH: True}
 def write(folder, source, rows, kind):
     """Write a gathered folder of some rows, provenance and all, with the summary that follows from them."""
     folder.mkdir(exist_ok=True)
-    table = pq.read_table(source / GATHERED[kind])
+    table = pq.read_table(source / KINDS[kind].file)
     new = pa.Table.from_pylist(rows, schema=table.schema)
-    pq.write_table(new, folder / GATHERED[kind])
+    pq.write_table(new, folder / KINDS[kind].file)
     metadata = pq.read_schema(source / "summary.parquet").metadata
     try:
-        summary = summary_of(new.replace_schema_metadata(), kind)
+        summary = KINDS[kind].summarise(new.replace_schema_metadata())
         pq.write_table(summary.replace_schema_metadata(metadata), folder / "summary.parquet")
     except (pa.ArrowException, ValueError):
         # Some rows are so wrong that no summary can be made of them.
         (folder / "summary.parquet").write_bytes((source / "summary.parquet").read_bytes())
     plan = ResultsFolder(source).plan()
     ids = sorted({row["job_id"] for row in rows} - {None})
-    ResultsFolder(folder).write_plan(Plan(plan.sweep, kind, plan.text, ids))
+    ResultsFolder(folder).write_plan(Plan(plan.sweep, KINDS[kind], plan.text, ids))
     return ResultsFolder(folder)
 
 
 def rows_in(source, kind):
-    return pq.read_table(source / GATHERED[kind]).to_pylist()
+    return pq.read_table(source / KINDS[kind].file).to_pylist()
 
 
 @pytest.fixture(scope="session", params=["pair", "neighbour", "all-upstream"])

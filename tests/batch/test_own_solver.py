@@ -6,10 +6,10 @@ import sys
 
 import pyarrow.parquet as pq
 import pytest
-from upwash.batch.store import SOLUTIONS
 from upwash.columns import COLUMNS, FLOAT, Column
 from upwash.errors import UpwashError
-from upwash.sweep.solver import BrokenContract, kept_to_contract, own_columns
+from upwash.jobs.own_solver import BrokenContract, kept_to_contract, own_columns
+from upwash.jobs.pair import Pair
 
 SWEEP = """\
 name = "sweep"
@@ -197,4 +197,4 @@ def test_own_columns_are_none_unless_declared():
         solver = lambda job: None  # noqa: E731
         solver.columns = [twice, twice]
         own_columns(solver)
-    assert set(SOLUTIONS.names) <= {column.name for column in COLUMNS}
+    assert set(Pair.rows.names) <= {column.name for column in COLUMNS}

@@ -14,10 +14,11 @@ import pytest
 from conftest import wait_until
 from upwash import kernel
 from upwash.batch import estimate, merging, runner
-from upwash.batch import job as job_module
-from upwash.batch.job import compiling
 from upwash.batch.store import write_atomic
 from upwash.errors import EnvironmentFault
+from upwash.jobs import run as run_module
+from upwash.jobs.pair import Pair
+from upwash.jobs.run import compiling
 from upwash.sweep import read_sweep
 
 
@@ -133,7 +134,7 @@ class TestEstimate:
 
     def test_is_measured_on_the_spot_where_nothing_is_there(self, bench, reproduced, monkeypatch):
         solved = []
-        monkeypatch.setattr(job_module, "run_job", lambda job: solved.append(job) or time.sleep(0.1))
+        monkeypatch.setattr(run_module, "run_job", lambda job: solved.append(job) or time.sleep(0.1))
         monkeypatch.setattr(estimate, "TRIAL_S", 0.25)
         (bench.folder / "ibis.toml").write_text(IBISES)
         told = json.loads(bench("run", "./ibis.toml", "--dry-run", "--json")[0])
@@ -143,7 +144,7 @@ class TestEstimate:
         assert os.listdir(bench.folder) == ["ibis.toml"]
 
     def test_is_not_made_before_the_search_is_compiled(self, bench, monkeypatch):
-        monkeypatch.setattr(job_module, "compiling", lambda job: "compiling: a while")
+        monkeypatch.setattr(run_module, "compiling", lambda job: "compiling: a while")
         (bench.folder / "ibis.toml").write_text(IBISES)
         _, said = bench("run", "./ibis.toml", "--dry-run")
         assert "40 of 40 jobs would run; how long that takes is not known: the search is not compiled" in said
@@ -397,12 +398,12 @@ def test_what_one_job_lacks_is_its_failure(bench):
     "fault", [PermissionError(13, "Permission denied", "/lib"), ImportError("libblas is gone")]
 )
 def test_what_the_system_refuses_the_built_in_solver_is_a_fault_of_the_machine(monkeypatch, fault):
-    def refused(job):
+    def refused(kind, job, bird):
         raise fault
 
-    monkeypatch.setattr(job_module, "_solve_pair", refused)
+    monkeypatch.setattr(Pair, "solve", refused)
     with pytest.raises(EnvironmentFault, match=r"expected .*, found: "):
-        job_module.run_job(read_sweep("reproduce").jobs[0])
+        run_module.run_job(read_sweep("reproduce").jobs[0])
 
 
 def test_progress_is_plain_lines_unless_on_a_terminal(bench):

@@ -7,6 +7,7 @@ import os
 import random
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pyarrow as pa
@@ -14,8 +15,11 @@ import pyarrow.parquet as pq
 import pytest
 from upwash import columns as of
 from upwash.batch import store
-from upwash.batch.job import encode, run_job
+from upwash.batch.bundle import encode
 from upwash.errors import UpwashError
+from upwash.jobs.flock import Flock
+from upwash.jobs.pair import Pair
+from upwash.jobs.run import run_job
 from upwash.sweep import Job, read_sweep
 
 IDS = Path(__file__).parents[1] / "job_ids.json"
@@ -24,10 +28,10 @@ IDS = Path(__file__).parents[1] / "job_ids.json"
 FORMS = {1: "a06206cb2947ec88", 2: "4b33b6574805b1f4"}
 
 SCHEMAS = {
-    "solutions": store.SOLUTIONS,
-    "flock": store.FLOCK,
-    "summary": store.SUMMARY,
-    "flock summary": store.FLOCK_SUMMARY,
+    "solutions": Pair.rows,
+    "flock": Flock.rows,
+    "summary": Pair.summary,
+    "flock summary": Flock.summary,
 }
 
 
@@ -43,7 +47,7 @@ def job_inputs(job, **changed):
 def data_of(job, sweep_text="the sweep's text", seconds=0.1):
     """Return the file of a job whose solver is one of the tests' own."""
     easy = Job.of(job_inputs(job, solver="stub_solvers:two_optima"))
-    return encode([(easy, run_job(easy), seconds)], sweep_text).data
+    return encode([replace(run_job(easy), seconds=seconds)], sweep_text).data
 
 
 @pytest.fixture
@@ -80,12 +84,12 @@ class TestSchema:
 
     def test_the_inputs_of_a_job_are_columns_of_its_rows(self):
         inputs = set(Job.of(json.loads(IDS.read_text())[0]).inputs())
-        assert inputs <= set(store.FLOCK.names)
+        assert inputs <= set(Flock.rows.names)
         flock_only = {"birds", "shape", "wake", "reading"}
-        assert inputs - flock_only <= set(store.SOLUTIONS.names)
+        assert inputs - flock_only <= set(Pair.rows.names)
 
     def test_units_and_provenance_survive_the_round_trip(self, job_file):
-        table = store.read_table(job_file, store.SOLUTIONS)
+        table = store.read_table(job_file, Pair.rows)
         assert table.schema.field("power_total_w").metadata[b"unit"] == b"W"
         metadata = store.metadata_of(table.schema)
         assert metadata["sweep"] == "the sweep's text"
@@ -95,7 +99,7 @@ class TestSchema:
 
     def test_a_file_of_another_schema_version_is_told_apart_from_a_damaged_one(self, job_file, monkeypatch):
         monkeypatch.setattr(of, "SCHEMA_VERSION", of.SCHEMA_VERSION + 1)
-        other = pa.schema([*store.SOLUTIONS, pa.field("another", pa.string())])
+        other = pa.schema([*Pair.rows, pa.field("another", pa.string())])
         with pytest.raises(UpwashError, match="expected schema version"):
             store.read_table(job_file, other)
 
@@ -109,10 +113,10 @@ class TestDamage:
         data = job_file.read_bytes()
         for length in range(0, len(data), 97):
             with pytest.raises(store.Damaged):
-                store.read_table(job_file, store.SOLUTIONS, data[:length])
+                store.read_table(job_file, Pair.rows, data[:length])
 
     def test_no_flipped_bit_goes_unnoticed_and_changes_what_is_read(self, job_file):
-        data, whole = job_file.read_bytes(), store.read_table(job_file, store.SOLUTIONS)
+        data, whole = job_file.read_bytes(), store.read_table(job_file, Pair.rows)
         chance = random.Random(1)
         noticed = 0
         for _ in range(1500):
@@ -120,7 +124,7 @@ class TestDamage:
             flipped = bytearray(data)
             flipped[place] ^= 1 << chance.randrange(8)
             try:
-                read = store.read_table(job_file, store.SOLUTIONS, bytes(flipped))
+                read = store.read_table(job_file, Pair.rows, bytes(flipped))
             except (store.Damaged, UpwashError):
                 noticed += 1
             else:
@@ -133,7 +137,7 @@ class TestDamage:
             pa.table({"a": [1]}).replace_schema_metadata({"schema_version": str(of.SCHEMA_VERSION)}), job_file
         )
         with pytest.raises(store.Damaged, match="columns"):
-            store.read_table(job_file, store.SOLUTIONS)
+            store.read_table(job_file, Pair.rows)
 
 
 class TestWriting:
@@ -194,9 +198,9 @@ class TestRowsOfAnyKind:
     )
     def test_whatever_goes_wrong_is_a_row_with_inputs_seed_and_error(self, job, solver, error):
         bad = Job.of(job_inputs(job, solver=f"stub_solvers:{solver}", seed=7))
-        bundle = encode([(bad, run_job(bad), 0.1)], "")
+        bundle = encode([run_job(bad)], "")
         (result,) = bundle.results
-        (found,) = store.read_table(None, store.SOLUTIONS, bundle.data).to_pylist()
+        (found,) = store.read_table(None, Pair.rows, bundle.data).to_pylist()
         assert result.status == found["status"] == "failed"
         assert found["error"].startswith(error) and "\n" not in found["error"]
         assert (found["job_id"], found["mass_kg"], found["seed"]) == (bad.job_id, job.bird.mass_kg, 7)
@@ -204,16 +208,16 @@ class TestRowsOfAnyKind:
 
     def test_no_answer_is_a_row_that_says_so(self, job):
         lost = Job.of(job_inputs(job, solver="stub_solvers:infeasible"))
-        (found,) = run_job(lost)
+        (found,) = run_job(lost).rows
         assert (found["status"], found["error"]) == ("infeasible", "nowhere to fly")
 
     def test_an_amplitude_beyond_the_wingspan_is_infeasible(self, job):
         wild = Job.of(job_inputs(job, leader_amplitude_m=3.0))
-        (found,) = run_job(wild)
+        (found,) = run_job(wild).rows
         assert found["status"] == "infeasible"
         assert found["error"].startswith("amplitude_m: expected at most twice the semispan")
 
     def test_numbers_that_are_not_finite_are_absent(self, job):
         endless = Job.of(job_inputs(job, solver="stub_solvers:endless"))
-        (found,) = run_job(endless)
+        (found,) = run_job(endless).rows
         assert (found["v_lower_bound"], found["stationarity"]) == (None, None)

@@ -6,10 +6,12 @@ from click.testing import CliRunner
 from upwash import columns as of
 from upwash.batch.check import of_rows
 from upwash.batch.compare import compare
-from upwash.batch.job import job_of as stored_job
-from upwash.batch.job import solve
-from upwash.batch.store import FLOCK, encode, provenance, table_of
+from upwash.batch.store import encode, provenance
 from upwash.cli import main
+from upwash.jobs.flock import Flock
+from upwash.jobs.job import job_of as stored_job
+from upwash.jobs.run import solve
+from upwash.jobs.schema import table_of
 from upwash.sweep.single import single_job
 
 CHOICES = [
@@ -22,7 +24,7 @@ CHOICES = [
 
 def job_of(birds=5, wavelengths=1, **choice):
     return single_job(
-        "flock",
+        Flock,
         "northern-bald-ibis",
         (),
         "stroke-angle",
@@ -36,7 +38,7 @@ def job_of(birds=5, wavelengths=1, **choice):
 
 
 def rows_of(**choice):
-    return table_of(solve(job_of(**choice)), FLOCK).to_pylist()
+    return table_of(solve(job_of(**choice)), Flock.rows).to_pylist()
 
 
 @pytest.mark.parametrize("choice", CHOICES, ids=lambda choice: "-".join(choice.values()))
@@ -97,10 +99,10 @@ def test_two_runs_agree_though_rounding_reaches_the_next_link():
     nearly = [dict(row) for row in rows]
     for row in nearly[2:]:
         row["ahead_amplitude_m"] *= 1.0 + 1e-9
-    tables = [pa.Table.from_pylist(one, schema=FLOCK) for one in (rows, nearly)]
+    tables = [pa.Table.from_pylist(one, schema=Flock.rows) for one in (rows, nearly)]
     assert compare(*tables).agrees
     nearly[2]["ahead_amplitude_m"] *= 1.001
-    assert not compare(tables[0], pa.Table.from_pylist(nearly, schema=FLOCK)).agrees
+    assert not compare(tables[0], pa.Table.from_pylist(nearly, schema=Flock.rows)).agrees
 
 
 class TestAStoredFlock:
@@ -109,7 +111,7 @@ class TestAStoredFlock:
     def folder(cls, tmp_path_factory):
         """A results folder that holds a flock which ends early."""
         path = tmp_path_factory.mktemp("results")
-        data = encode(solve(job_of(**CHOICES[3])), FLOCK, provenance(""))
+        data = encode(solve(job_of(**CHOICES[3])), Flock.rows, provenance(""))
         (path / "flock.parquet").write_bytes(data)
         return str(path)
 

@@ -13,9 +13,11 @@ import pytest
 from click.testing import CliRunner
 from renew_claims import PAGE, SWEEPS, kept, page, solved
 from upwash.aero.bird import Bird
-from upwash.batch.store import FLOCK, GATHERED, SOLUTIONS, encode, provenance
+from upwash.batch.store import encode, provenance
 from upwash.cli import main
 from upwash.errors import UpwashError
+from upwash.jobs.flock import Flock
+from upwash.jobs.pair import Pair
 from upwash.paper import (
     CLAIM_COLUMNS,
     CLAIMS,
@@ -506,13 +508,13 @@ class TestEvidence:
 @pytest.fixture
 def results(frames, tmp_path):
     """A gathered results folder of the pair, with nothing beside it."""
-    return store(frames["reproduce"], SOLUTIONS, tmp_path / "results" / "reproduce", "pair")
+    return store(frames["reproduce"], Pair, tmp_path / "results" / "reproduce")
 
 
-def store(rows, schema, folder, kind):
+def store(rows, kind, folder):
     folder.mkdir(parents=True)
     records = rows.astype(object).where(rows.notna(), None).to_dict("records")
-    (folder / GATHERED[kind]).write_bytes(encode(records, schema, provenance("text of the sweep")))
+    (folder / kind.file).write_bytes(encode(records, kind.rows, provenance("text of the sweep")))
     return folder
 
 
@@ -547,8 +549,8 @@ class TestCommand:
         assert found.loc[found["verdict"] == NOT_RUN, "ours"].isna().all()
 
     def test_folders_beside_it_are_read(self, results, frames, ledger):
-        store(frames[FLOCKS], FLOCK, results.parent / FLOCKS, "flock")
-        store(frames[SPEEDS], SOLUTIONS, results.parent / SPEEDS, "pair")
+        store(frames[FLOCKS], Flock, results.parent / FLOCKS)
+        store(frames[SPEEDS], Pair, results.parent / SPEEDS)
         found = pd.DataFrame(json.loads(run(results, "--json").stdout))
         assert found["verdict"].tolist() == ledger["verdict"].tolist()
 
@@ -558,7 +560,7 @@ class TestCommand:
         if what == "no results":
             folder.mkdir()
         elif what == "another bird":
-            store(frames["reproduce"].assign(mass_kg=2.0), SOLUTIONS, folder, "pair")
+            store(frames["reproduce"].assign(mass_kg=2.0), Pair, folder)
         result = run(folder)
         assert (result.exit_code, result.stdout) == (2, "")
         assert len(result.stderr.splitlines()) == 1

@@ -13,8 +13,9 @@ from upwash.aero.bird import Bird
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel
 from upwash.batch.folder import Plan, ResultsFolder
-from upwash.batch.store import GATHERED, ROWS, SUMMARIES, TableWriter, provenance, table_of
-from upwash.batch.summary import summary_of
+from upwash.batch.store import TableWriter, provenance
+from upwash.jobs.kinds import KINDS
+from upwash.jobs.schema import table_of
 from upwash.optimum.record import record
 
 IBIS = {
@@ -177,24 +178,24 @@ def flock_rows(birds=6):
 
 def frame(rows, kind="pair"):
     """Return rows as a frame with every column of the results."""
-    return table_of(complete(rows, kind), ROWS[kind]).to_pandas()
+    return table_of(complete(rows, kind), KINDS[kind].rows).to_pandas()
 
 
 def complete(rows, kind):
     """Return rows with the columns of a kind of study alone."""
-    return [{name: row[name] for name in row if name in ROWS[kind].names} for row in rows]
+    return [{name: row[name] for name in row if name in KINDS[kind].rows.names} for row in rows]
 
 
 def write_folder(path, rows, kind="pair", text='description = "A study"\n'):
     """Write a gathered results folder as `upwash aggregate` leaves it, and return its path."""
     order = [("job_id", "ascending"), ("bird" if kind == "flock" else "rank", "ascending")]
-    table = table_of(complete(rows, kind), ROWS[kind]).sort_by(order).combine_chunks()
+    table = table_of(complete(rows, kind), KINDS[kind].rows).sort_by(order).combine_chunks()
     path.mkdir(parents=True)
     ids = pd.unique(table.column("job_id").to_pandas())
-    ResultsFolder(path).write_plan(Plan(path.name, kind, text, list(ids)))
+    ResultsFolder(path).write_plan(Plan(path.name, KINDS[kind], text, list(ids)))
     for name, schema, content in (
-        (GATHERED[kind], ROWS[kind], table),
-        ("summary.parquet", SUMMARIES[kind], summary_of(table, kind)),
+        (KINDS[kind].file, KINDS[kind].rows, table),
+        ("summary.parquet", KINDS[kind].summary, KINDS[kind].summarise(table)),
     ):
         writer = TableWriter(path / name, schema)
         writer.write(pa.table(content))

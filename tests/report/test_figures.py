@@ -11,6 +11,7 @@ from upwash.aero.interaction import net_force, state_forces
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import vortex_wake
 from upwash.errors import UpwashError
+from upwash.jobs.pair import Pair
 from upwash.report import figures
 from upwash.report.figures import (
     configurations,
@@ -557,7 +558,7 @@ class TestSources:
         rows = [
             row for value in (1.1, 1.2, 1.3) for row in studies.pair_rows(mass_kg=value, speed_m_s=10 * value)
         ]
-        study = sources.Study("", "pair", studies.frame(rows), {})
+        study = sources.Study("", Pair, studies.frame(rows), {})
         assert sources.sort_studies([study]).pair is None
 
     def test_a_figure_without_its_study_says_what_it_needs(self, folders):

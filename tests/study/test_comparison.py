@@ -10,9 +10,10 @@ import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 from upwash import load_species
-from upwash.batch.store import SOLUTIONS
 from upwash.cli import main
 from upwash.columns import FAILED, SOLVED
+from upwash.jobs.flock import Flock
+from upwash.jobs.pair import Pair
 from upwash.report.species_tables import MARK, comparison_tables, overview_table
 from upwash.study.comparison import compare, compare_objectives
 from upwash.study.intervals import LEAST_SAMPLES, intervals, outside_of_samples
@@ -428,7 +429,7 @@ class TestFiles:
         (beside / "plan.json").write_text(json.dumps({"sweep": "u", "kind": "pair", "text": "", "jobs": ""}))
         import pyarrow as pa
 
-        table = pa.Table.from_pandas(samples, SOLUTIONS, preserve_index=False).replace_schema_metadata(
+        table = pa.Table.from_pandas(samples, Pair.rows, preserve_index=False).replace_schema_metadata(
             pq.read_schema(results / "solutions.parquet").metadata
         )
         pq.write_table(table, beside / "solutions.parquet", write_page_checksum=True)
@@ -472,5 +473,5 @@ class TestWhichStudy:
     def test_is_read_from_the_sweeps_own_text(self, text, study):
         from upwash.batch.folder import Plan
 
-        assert study_of(Plan("s", "pair", text, [])) == study
-        assert study_of(Plan("s", "flock", text, [])) == ""
+        assert study_of(Plan("s", Pair, text, [])) == study
+        assert study_of(Plan("s", Flock, text, [])) == ""

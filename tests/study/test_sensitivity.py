@@ -5,9 +5,9 @@ import sys
 import numpy as np
 import pandas as pd
 import pytest
-from upwash.batch.store import SOLUTIONS
 from upwash.columns import FAILED, INFEASIBLE, SOLVED
 from upwash.errors import UpwashError
+from upwash.jobs.pair import Pair
 from upwash.report.species_tables import sensitivity_tables
 from upwash.species import load_species
 from upwash.study.sensitivity import LEAST_POINTS, design_of, sensitivity
@@ -45,7 +45,7 @@ def sampled(folder, points=POINTS, convention="stroke-angle", method="saltelli")
     path.write_text(SWEEP.format(points=points, convention=convention, method=method))
     jobs = read_sweep(path).jobs
     rows = pd.DataFrame([{"job_id": job.job_id} | job.inputs() for job in jobs]).reindex(
-        columns=SOLUTIONS.names
+        columns=Pair.rows.names
     )
     sine = rows["leader_amplitude_m"] / (2.0 * rows["semispan_m"])
     half_angle = np.degrees(np.arcsin(np.minimum(sine, 1.0)))

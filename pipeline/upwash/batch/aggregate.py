@@ -16,15 +16,7 @@ import pyarrow as pa
 from upwash.batch.folder import RETIRED, SUMMARY, Plan, ResultsFolder
 from upwash.batch.merging import merged, only, sources_of, without
 from upwash.batch.recovery import verified_index
-from upwash.batch.store import (
-    GATHERED,
-    TableWriter,
-    merged_provenance,
-    replacing,
-    rows_schema,
-    sync,
-)
-from upwash.batch.summary import summary_of, summary_schema
+from upwash.batch.store import TableWriter, merged_provenance, replacing, sync
 from upwash.errors import UpwashError
 
 
@@ -66,8 +58,8 @@ def aggregate(folder: ResultsFolder, tell: Callable[[str], None]) -> Gathered:
 
 
 def _write_tables(folder: ResultsFolder, plan: Plan, ids: list[str]) -> None:
-    schema, named = rows_schema(plan.kind, plan.columns), pa.array(plan.jobs, pa.string())
-    current_path, retired_path = folder.path / GATHERED[plan.kind], folder.path / RETIRED
+    schema, named = plan.rows, pa.array(plan.jobs, pa.string())
+    current_path, retired_path = folder.path / plan.kind.file, folder.path / RETIRED
     with ExitStack() as files, ExitStack() as finished:
         sources = sources_of(files, folder, schema, strict=True)
         were_retired = set(sources[-1].ids()) if retired_path.exists() else set()
@@ -75,13 +67,13 @@ def _write_tables(folder: ResultsFolder, plan: Plan, ids: list[str]) -> None:
         # What is named again stays among the retired rows, too, so that it is in a file at every moment.
         never_retired = pa.array([job_id for job_id in plan.jobs if job_id not in were_retired], pa.string())
         # Put in place in the reverse order: a row that is retired is there before it is gone here.
-        summaries = _open(finished, folder.path / SUMMARY, summary_schema(schema, plan.kind))
+        summaries = _open(finished, folder.path / SUMMARY, plan.kind.summary_schema(schema))
         current = _open(finished, current_path, schema)
         retired = _open(finished, retired_path, schema) if has_retired else None
         for rows in merged(sources, ids):
             of_the_sweep = only(rows, named)
             current.write(of_the_sweep)
-            summaries.write(summary_of(of_the_sweep, plan.kind))
+            summaries.write(plan.kind.summarise(of_the_sweep))
             if retired:
                 retired.write(without(rows, never_retired))
         metadata = merged_provenance([one for source in sources for one in source.metadata], plan.text)

@@ -11,13 +11,12 @@ import pyarrow as pa
 
 from upwash import columns as of
 from upwash.batch.folder import SUMMARY, ResultsFolder
-from upwash.batch.job import Row
 from upwash.batch.provenance import misstated
 from upwash.batch.row_checks import ASKED_FOR, BOUNDS, CONTENT, FORM, WHOLE
-from upwash.batch.store import GATHERED, ROWS, SUMMARIES, Damaged, metadata_of, noticing, open_table
-from upwash.batch.summary import summary_of
-from upwash.batch.verify import disproved
+from upwash.batch.store import Damaged, metadata_of, noticing, open_table
 from upwash.errors import UpwashError
+from upwash.jobs.kind import Kind
+from upwash.jobs.verify import disproved
 
 
 @dataclass(frozen=True)
@@ -85,15 +84,15 @@ def check(folder: ResultsFolder, prove: bool = False) -> Checked:
     folder.require()
     kind, plan, checked = folder.kind(), folder.plan(), Checked()
     reader = _Reader(checked, plan.text if plan else None)
-    gathered = folder.path / GATHERED[kind]
+    gathered = folder.path / kind.file
     if gathered.exists():
         _check_gathered(folder, gathered, kind, reader, prove)
     for path in (*folder.part_files(), *map(folder.job_file, sorted(folder.job_ids()))):
-        for table in reader.pieces(path, ROWS[kind]):
+        for table in reader.pieces(path, kind.rows):
             for _, rows in groupby(table.to_pylist(), key=lambda row: row["job_id"]):
                 _check_job(list(rows), str(path), checked, prove)
     if not checked.jobs and not checked.findings:
-        for table in reader.pieces(folder.path / SUMMARY, SUMMARIES[kind]):
+        for table in reader.pieces(folder.path / SUMMARY, kind.summary):
             for row in table.to_pylist():
                 _check_job([row], SUMMARY, checked, prove, all_optima=False)
     for job_id in plan.jobs if plan else ():
@@ -102,15 +101,17 @@ def check(folder: ResultsFolder, prove: bool = False) -> Checked:
     return checked
 
 
-def _check_gathered(folder: ResultsFolder, path: Path, kind: str, reader: _Reader, prove: bool) -> None:
+def _check_gathered(
+    folder: ResultsFolder, path: Path, kind: type[Kind], reader: _Reader, prove: bool
+) -> None:
     """Check the gathered rows and, beside them, the summary."""
     checked = reader.checked
     summaries = pa.concat_tables(
-        [SUMMARIES[kind].empty_table(), *reader.pieces(folder.path / SUMMARY, SUMMARIES[kind])],
+        [kind.summary.empty_table(), *reader.pieces(folder.path / SUMMARY, kind.summary)],
         promote_options="default",
     )
     place, last = 0, ""
-    for table in reader.pieces(path, ROWS[kind]):
+    for table in reader.pieces(path, kind.rows):
         before, jobs = len(checked.findings), 0
         for job_id, rows in groupby(table.to_pylist(), key=lambda row: row["job_id"]):
             if job_id is None or job_id <= last:
@@ -120,7 +121,7 @@ def _check_gathered(folder: ResultsFolder, path: Path, kind: str, reader: _Reade
             _check_job(list(rows), path.name, checked, prove)
         # Rows that are wrong may have no summary.
         if len(checked.findings) == before:
-            checked.findings += _unlike(summary_of(table, kind), summaries.slice(place, jobs))
+            checked.findings += _unlike(kind.summarise(table), summaries.slice(place, jobs))
         place += jobs
     if summaries.num_rows > place:
         found = f"found {summaries.num_rows} rows, expected {place}"
@@ -150,7 +151,9 @@ class _Reader:
             self.checked.add(str(path), [("", str(error).removeprefix(f"{path}: "))])
 
 
-def _check_job(rows: list[Row], place: str, checked: Checked, prove: bool, all_optima: bool = True) -> None:
+def _check_job(
+    rows: list[of.Stored], place: str, checked: Checked, prove: bool, all_optima: bool = True
+) -> None:
     job_id = rows[0]["job_id"]
     found = of_rows(rows, place, all_optima)
     if prove and not found:
@@ -175,12 +178,12 @@ def _unlike(expected: pa.Table, found: pa.Table) -> list[Finding]:
     return [Finding(f"job {missing}", "job_id", f"expected a row in {SUMMARY}, found none")]
 
 
-def of_rows(rows: Sequence[Row], place: str, all_optima: bool = True) -> list[Finding]:
+def of_rows(rows: Sequence[of.Stored], place: str, all_optima: bool = True) -> list[Finding]:
     """Check the rows of one job.
 
     Parameters
     ----------
-    rows : sequence of dict
+    rows : sequence of mapping
         All of them, in order.
     place : str
         Where they stand, for the findings.
@@ -189,7 +192,7 @@ def of_rows(rows: Sequence[Row], place: str, all_optima: bool = True) -> list[Fi
     """
     checked = Checked()
     where = f"job {rows[0]['job_id']}"
-    whole = WHOLE["flock" if "bird" in rows[0] else "pair"] if all_optima else ()
+    whole = WHOLE if all_optima else ()
     # What is of another job, absent, not finite or out of its bounds cannot be computed with.
     for some in (ASKED_FOR, FORM, BOUNDS, (*CONTENT, *whole)):
         for one in some:

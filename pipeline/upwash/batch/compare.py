@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from upwash import columns as of
 from upwash.batch.folder import SUMMARY, ResultsFolder, jobs_in
-from upwash.batch.store import GATHERED, ROWS, SUMMARIES, Damaged, own_fields, read_table
+from upwash.batch.store import Damaged, read_table
 from upwash.errors import UpwashError
+from upwash.jobs.kind import Kind
+from upwash.jobs.schema import own_fields
 
 # How a job is to be solved is no part of what is asked.
 KEY = of.names(of.belonging(of.PROBLEM, of.FLOCK))
@@ -82,13 +84,14 @@ def compare_folders(first: ResultsFolder, second: ResultsFolder) -> list[Compari
     """
     kind = first.kind()
     if second.kind() != kind:
-        message = f"expected results of one kind, found {kind} and {second.kind()}; compare like with like"
+        message = f"expected results of one kind, found {kind.name} and {second.kind().name}; compare like with like"
         raise UpwashError(f"{first}, {second}: {message}")
-    files = [SUMMARY] if kind == "pair" else [SUMMARY, GATHERED[kind]]
+    # Which of one problem's dearer optima are met depends on the starts.
+    files = [SUMMARY] if kind.is_one_problem else [SUMMARY, kind.file]
     return [compare(*(_read(folder, name, kind) for folder in (first, second))) for name in files]
 
 
-def _read(folder: ResultsFolder, name: str, kind: str) -> pa.Table:
+def _read(folder: ResultsFolder, name: str, kind: type[Kind]) -> pa.Table:
     folder.require()
     path = folder.path / name
     if not path.exists():
@@ -97,7 +100,7 @@ def _read(folder: ResultsFolder, name: str, kind: str) -> pa.Table:
         found = f"found {loose} not gathered yet; gather them by 'upwash aggregate {folder}'"
         raise UpwashError(f"{folder}: expected all finished jobs in {name}, {found}")
     try:
-        return read_table(path, SUMMARIES[kind] if name == SUMMARY else ROWS[kind])
+        return read_table(path, kind.summary if name == SUMMARY else kind.rows)
     except Damaged as error:
         raise UpwashError(f"{error}; gather it anew by 'upwash aggregate {folder}'") from error
 

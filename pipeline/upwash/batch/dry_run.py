@@ -17,7 +17,7 @@ from upwash.batch.progress import duration
 from upwash.batch.selection import in_shard, is_to_run
 
 if TYPE_CHECKING:
-    from upwash.batch.job import Job
+    from upwash.jobs.job import Job
     from upwash.sweep import Sweep
 
 TELL_EVERY_S = 5.0

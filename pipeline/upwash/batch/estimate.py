@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from upwash.batch.folder import SUMMARY, ResultsFolder
 
 if TYPE_CHECKING:
-    from upwash.batch.job import Job
+    from upwash.jobs.job import Job
 
 TRIAL_S = 2.0
 """After so long no further job is solved on the spot."""
@@ -55,8 +55,8 @@ def estimate(jobs: Sequence[Job], folder: ResultsFolder, tell: Callable[[str], N
     seconds, count = _experience(folder)
     if count:
         return Estimate(seconds / count, f"by the {count} done so far", is_experience=True)
-    from upwash.batch.job import compiling, run_job
-    from upwash.sweep.job import BUILT_IN_SOLVER
+    from upwash.jobs.job import BUILT_IN_SOLVER
+    from upwash.jobs.run import compiling, run_job
 
     if jobs[0].solver != BUILT_IN_SOLVER:
         return Estimate(None, "no job of it was done here before")
@@ -77,7 +77,7 @@ def _experience(folder: ResultsFolder) -> tuple[float, int]:
     if done := folder.read_journals().done:
         return sum(entry.seconds for entry in done), sum(entry.jobs for entry in done)
     summary = folder.path / SUMMARY
-    if not summary.exists() or folder.kind() != "pair":
+    if not summary.exists() or "solve_time_s" not in folder.kind().summary.names:
         return 0.0, 0
     import pyarrow.parquet as pq
 

@@ -32,8 +32,15 @@ from pathlib import Path
 from secrets import token_hex
 from typing import IO, NamedTuple
 
+import pyarrow as pa
+
+from upwash.batch.store import write_atomic
 from upwash.columns import Column
 from upwash.errors import UpwashError
+from upwash.jobs.kind import Kind
+from upwash.jobs.kinds import KINDS
+from upwash.jobs.pair import Pair
+from upwash.jobs.schema import with_own
 
 JOB_ID = re.compile(r"[0-9a-f]{16}")
 PART = re.compile(r"(\d+)-(\d+-of-\d+)-[0-9a-f]{8}\.parquet")
@@ -47,8 +54,6 @@ OF_OWN = ("name", "unit", "description", "type")
 """What is said of a column that the sweep's own solver declares."""
 
 PLAN, RETIRED, SUMMARY = "plan.json", "retired.parquet", "summary.parquet"
-GATHERED = {"pair": "solutions.parquet", "flock": "flock.parquet"}
-"""Kind of sweep -> the file that gathers its rows."""
 
 
 class Entry(NamedTuple):
@@ -81,8 +86,10 @@ class Plan:
 
     Parameters
     ----------
-    sweep, kind, text : str
-        Name, ``pair`` or ``flock``, and the file's own text.
+    sweep, text : str
+        Name, and the file's own text.
+    kind : type of Kind
+        What its jobs are.
     jobs : list of str
         Ids, in the order of the file.
     columns : tuple of Column
@@ -90,10 +97,15 @@ class Plan:
     """
 
     sweep: str
-    kind: str
+    kind: type[Kind]
     text: str
     jobs: list[str]
     columns: tuple[Column, ...] = ()
+
+    @property
+    def rows(self) -> pa.Schema:
+        """The schema of its rows, with the columns of a solver's own at the end."""
+        return with_own(self.kind.rows, self.columns)
 
 
 @dataclass(frozen=True)
@@ -147,7 +159,7 @@ class ResultsFolder:
         if not is_folder:
             remedy = "'upwash run SWEEP' makes one"
             raise UpwashError(f"{str(self.path)!r}: expected a results folder, found {found}; {remedy}")
-        names = (PLAN, SUMMARY, *GATHERED.values())
+        names = (PLAN, SUMMARY, *(kind.file for kind in KINDS.values()))
         if not any((self.path / name).exists() for name in names):
             remedy = "'upwash run SWEEP' makes one"
             raise UpwashError(f"{self.path}: expected a results folder, found no results in it; {remedy}")
@@ -206,10 +218,8 @@ class ResultsFolder:
 
     def write_plan(self, plan: Plan) -> None:
         """Store which jobs belong here."""
-        from upwash.batch.store import write_atomic
-
         columns = [[getattr(column, name) for name in OF_OWN] for column in plan.columns]
-        content = {**vars(plan), "jobs": " ".join(plan.jobs), "columns": columns}
+        content = {**vars(plan), "kind": plan.kind.name, "jobs": " ".join(plan.jobs), "columns": columns}
         text = json.dumps(content, indent=0)
         path = self.path / PLAN
         # Shards of one sweep all write it at once, and the same.
@@ -222,7 +232,8 @@ class ResultsFolder:
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
             columns = tuple(Column(*column) for column in content.get("columns", ()))
-            return Plan(content["sweep"], content["kind"], content["text"], content["jobs"].split(), columns)
+            kind = KINDS[content["kind"]]
+            return Plan(content["sweep"], kind, content["text"], content["jobs"].split(), columns)
         except FileNotFoundError:
             return None
         except OSError as error:
@@ -233,12 +244,21 @@ class ResultsFolder:
                 f"{path}: expected the plan of a sweep, found a damaged file; {remedy}"
             ) from error
 
-    def kind(self) -> str:
+    def kind(self) -> type[Kind]:
         """Return the kind of sweep."""
         plan = self.plan()
         if plan:
             return plan.kind
-        return "flock" if (self.path / GATHERED["flock"]).exists() else "pair"
+        return next((kind for kind in KINDS.values() if (self.path / kind.file).exists()), Pair)
+
+    def schema(self) -> pa.Schema:
+        """Return the schema of the rows, with the columns of a solver's own at the end."""
+        plan = self.plan()
+        return plan.rows if plan else self.kind().rows
+
+    def gathered(self) -> Path:
+        """Return the file that gathers the rows of the sweep's jobs."""
+        return self.path / self.kind().file
 
     # The files of jobs, and of some jobs together
 

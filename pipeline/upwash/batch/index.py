@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from upwash import columns as of
-from upwash.batch.folder import GATHERED, RETIRED, ResultsFolder
+from upwash.batch.folder import RETIRED, ResultsFolder
 
 if TYPE_CHECKING:
     import pyarrow as pa
+
+    from upwash.jobs.kind import Kind
 
 
 class Known(NamedTuple):
@@ -52,7 +54,7 @@ def note(index: dict[str, Known], more: dict[str, Known]) -> None:
 
 def table_files(folder: ResultsFolder) -> list[Path]:
     """Return the tables of rows of several jobs, newest first."""
-    gathered = (folder.path / GATHERED[folder.kind()], folder.path / RETIRED)
+    gathered = (folder.gathered(), folder.path / RETIRED)
     return [*reversed(folder.part_files()), *(path for path in gathered if path.exists())]
 
 
@@ -69,12 +71,12 @@ def known_of(table: pa.Table) -> dict[str, Known]:
     return known
 
 
-def known_in(path: Path, kind: str, verify: bool = False) -> dict[str, Known]:
+def known_in(path: Path, kind: type[Kind], verify: bool = False) -> dict[str, Known]:
     """Return how each job in a file ended; nothing if it is damaged, or gone since it was listed."""
-    from upwash.batch.store import ROWS, Damaged, noticing, open_table
+    from upwash.batch.store import Damaged, noticing, open_table
 
     try:
-        with noticing(path), open_table(path, ROWS[kind]) as file:
+        with noticing(path), open_table(path, kind.rows) as file:
             columns = None if verify else ["job_id", "status", "error"]
             return known_of(file.read(columns=columns, use_threads=False))
     except (Damaged, FileNotFoundError):

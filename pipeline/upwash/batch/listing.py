@@ -46,10 +46,10 @@ def list_jobs(folder: ResultsFolder) -> list[Listed]:
 
 def inputs_in(folder: ResultsFolder, job_ids: set[str]) -> Iterator[dict[str, Any]]:
     """Give the inputs of those of some jobs that have a result, from its first row; of some more than once."""
-    from upwash.batch.store import ROWS, Damaged, open_table
+    from upwash.batch.store import Damaged, open_table
 
     asked = of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.FLOCK)
-    schema = ROWS[folder.kind()]
+    schema = folder.kind().rows
     names = [name for name in of.names(asked) if name in schema.names]
     paths = [*(folder.job_file(job_id) for job_id in job_ids & folder.job_ids()), *table_files(folder)]
     for path in paths if job_ids else ():

@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 from upwash.batch.folder import SUMMARY, ResultsFolder
 from upwash.batch.index import table_files
 from upwash.batch.merging import one_result_a_job
-from upwash.batch.store import ROWS, SUMMARIES, noticing, open_table
+from upwash.batch.store import noticing, open_table
 from upwash.errors import UpwashError
 
 SHOWN = 5
@@ -49,8 +49,7 @@ def rows_of(folder: ResultsFolder, beginning: str) -> list[dict[str, Any]]:
         )
     kind = folder.kind()
     tables = [
-        _read(path, SUMMARIES[kind] if path.name == SUMMARY else ROWS[kind], ids[0])
-        for path in places[ids[0]]
+        _read(path, kind.summary if path.name == SUMMARY else kind.rows, ids[0]) for path in places[ids[0]]
     ]
     return one_result_a_job(tables).to_pylist()
 

@@ -23,7 +23,6 @@ from upwash.batch.store import (
     TableWriter,
     cannot_write,
     merged_provenance,
-    rows_schema,
     sync,
     temporary,
 )
@@ -124,7 +123,8 @@ def _one_plan(parts: Sequence[ResultsFolder]) -> Plan:
     for part, plan in zip(parts, plans, strict=True):
         if plan.kind != first.kind:
             raise UpwashError(
-                f"{part}: expected a {first.kind} sweep as in {parts[0]}, found a {plan.kind} one; merge like with like"
+                f"{part}: expected a {first.kind.name} sweep as in {parts[0]}, found a {plan.kind.name} one; "
+                "merge like with like"
             )
         if differing := set(plan.jobs) ^ set(first.jobs):
             only_here = sorted(differing.intersection(plan.jobs))
@@ -144,7 +144,7 @@ def _one_plan(parts: Sequence[ResultsFolder]) -> Plan:
 
 def _write(out: ResultsFolder, parts: Sequence[ResultsFolder], plan: Plan) -> Merged:
     """Write the rows of all parts as one, and the plan; return what there is."""
-    schema, known, by_folder = rows_schema(plan.kind, plan.columns), dict[str, Known](), dict[str, int]()
+    schema, known, by_folder = plan.rows, dict[str, Known](), dict[str, int]()
     with ExitStack() as files:
         sources = []
         for part in parts:

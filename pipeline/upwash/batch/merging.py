@@ -61,8 +61,8 @@ def one_result_a_job(tables: Sequence[pa.Table]) -> pa.Table:
 
 def in_order(rows: pa.Table) -> pa.Table:
     """Sort rows by job, and by rank or bird."""
-    order = [("job_id", "ascending"), ("bird" if "bird" in rows.column_names else "rank", "ascending")]
-    return rows.sort_by(order).combine_chunks()
+    order = [name for name in ("job_id", "bird", "rank") if name in rows.column_names]
+    return rows.sort_by([(name, "ascending") for name in order]).combine_chunks()
 
 
 def only(table: pa.Table, jobs: pa.Array) -> pa.Table:

@@ -12,7 +12,6 @@ from pathlib import Path
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.index import Known, known_of, note, table_files
 from upwash.batch.store import (
-    ROWS,
     Damaged,
     TableWriter,
     metadata_of,
@@ -22,6 +21,7 @@ from upwash.batch.store import (
     remove_temporary,
     replacing,
 )
+from upwash.jobs.kind import Kind
 
 Tell = Callable[[str], None]
 
@@ -48,7 +48,7 @@ def verified_index(folder: ResultsFolder, tell: Tell) -> dict[str, Known]:
     for job_id in sorted(folder.job_ids()):
         path = folder.job_file(job_id)
         try:
-            note(index, {job_id: known_of(read_table(path, ROWS[kind]))[job_id]})
+            note(index, {job_id: known_of(read_table(path, kind.rows))[job_id]})
         except (Damaged, KeyError):
             tell(f"{path}: damaged; set aside as {folder.set_aside(path)}, its job will be done again")
     for path in table_files(folder):
@@ -56,12 +56,12 @@ def verified_index(folder: ResultsFolder, tell: Tell) -> dict[str, Known]:
     return index
 
 
-def _verified_table(folder: ResultsFolder, path: Path, kind: str, tell: Tell) -> dict[str, Known]:
+def _verified_table(folder: ResultsFolder, path: Path, kind: type[Kind], tell: Tell) -> dict[str, Known]:
     """Return how each job in the undamaged part of a gathered table ended; the rest is set aside."""
     known: dict[str, Known] = {}
     whole: list[int] = []
     try:
-        with open_table(path, ROWS[kind]) as file:
+        with open_table(path, kind.rows) as file:
             count = file.num_row_groups
             for number in range(count):
                 try:
@@ -81,9 +81,9 @@ def _verified_table(folder: ResultsFolder, path: Path, kind: str, tell: Tell) ->
     return known
 
 
-def _keep_only(path: Path, kind: str, row_groups: list[int]) -> None:
-    with open_table(path, ROWS[kind]) as file, replacing(path) as unfinished:
-        writer = TableWriter(unfinished, ROWS[kind])
+def _keep_only(path: Path, kind: type[Kind], row_groups: list[int]) -> None:
+    with open_table(path, kind.rows) as file, replacing(path) as unfinished:
+        writer = TableWriter(unfinished, kind.rows)
         for number in row_groups:
             writer.write(file.read_row_group(number, use_threads=False).replace_schema_metadata())
         writer.close(metadata_of(file.schema_arrow))

@@ -7,27 +7,17 @@ Nothing here believes what a solver said of itself: what follows from the stored
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 from upwash import columns as of
-from upwash.batch.job import Row, bounds_of, job_of, recompute
-from upwash.batch.verify import (
-    alike,
-    evidence_of,
-    links_of,
-    makes_a_bird,
-    stays_in_v,
-    walls,
-    why_infeasible,
-)
 from upwash.errors import UpwashError
-from upwash.sweep.job import BUILT_IN_SOLVER
+from upwash.jobs.job import BUILT_IN_SOLVER, job_of
+from upwash.jobs.kinds import KINDS
+from upwash.jobs.stored import AGREEMENT, Complaints, is_v_formation, unlike
+from upwash.jobs.verify import evidence_of, makes_a_bird, recompute, walls, why_infeasible
 
 RESIDUAL_LIMIT = 1e-9
 """Largest imbalance of lift or thrust, over weight or drag."""
-
-RECOMPUTED = of.Agreement(relative=1e-9, absolute=1e-9)
-"""How closely a stored value must agree with its recomputation, which sums in another order."""
 
 EXAMINED = of.Agreement(relative=1e-6, absolute=1e-8)
 """How closely stored evidence must agree with what is found anew at a place that was rounded to be stored."""
@@ -39,11 +29,8 @@ NOTHING_FOUND = of.names(of.belonging(of.JOB, of.OPTIMUM))
 DERIVED = of.names(column for column in of.COLUMNS if column.verified == of.DERIVED)
 ASKED = of.names(column for column in of.COLUMNS if column.verified == of.IDENTITY)
 
-Complaints = Iterator[tuple[str, str]]
-"""Columns, and what does not hold of them: what was expected, and what was found."""
 
-
-def identity(rows: Sequence[Row]) -> Complaints:
+def identity(rows: Sequence[of.Stored]) -> Complaints:
     """All rows are of one job, whose id follows from its inputs and the model's version."""
     first = rows[0]
     for row in rows:
@@ -71,7 +58,7 @@ def identity(rows: Sequence[Row]) -> Complaints:
                 yield name, f"expected {inputs[name]!r} by the job's inputs, found {row[name]!r}"
 
 
-def outcome(rows: Sequence[Row]) -> Complaints:
+def outcome(rows: Sequence[of.Stored]) -> Complaints:
     """A solved row has a solution and no error; any other has an error, and nothing was found in it."""
     for number, row in enumerate(rows):
         if row["status"] == of.SOLVED:
@@ -94,7 +81,7 @@ def outcome(rows: Sequence[Row]) -> Complaints:
             if row.get(name) is not None:
                 yield name, f"expected no solution in a row that is {row['status']}, found {row[name]!r}"
         is_last = number == len(rows) - 1
-        if not is_last or (row["kind"] == "pair" and number):
+        if not is_last or (number and _is_one_problem(row)):
             yield "status", f"expected nothing beside a row that is {row['status']}, found other rows"
         if row["status"] == of.INFEASIBLE and row["solver"] == BUILT_IN_SOLVER and "birds_placed" not in row:
             expected = why_infeasible(row)
@@ -104,11 +91,15 @@ def outcome(rows: Sequence[Row]) -> Complaints:
                 yield "error", f"expected {expected!r} by inputs and proof, found {row['error']!r}"
 
 
-def _leads(row: Row) -> bool:
+def _is_one_problem(row: of.Stored) -> bool:
+    return KINDS[row["kind"]].is_one_problem
+
+
+def _leads(row: of.Stored) -> bool:
     return row.get("bird") == 1
 
 
-def _may_lack(row: Row, column: of.Column) -> bool:
+def _may_lack(row: of.Stored, column: of.Column) -> bool:
     is_own = row["solver"] != BUILT_IN_SOLVER
     return {
         of.NEVER: False,
@@ -119,7 +110,7 @@ def _may_lack(row: Row, column: of.Column) -> bool:
     }[column.absent]
 
 
-def numbers(rows: Sequence[Row]) -> Complaints:
+def numbers(rows: Sequence[of.Stored]) -> Complaints:
     """Every number is finite, and possible."""
     for row in rows:
         for name, value in row.items():
@@ -133,7 +124,7 @@ WORDS = {column.name: column.words for column in of.COLUMNS if column.words}
 LEAST = {column.name: column.least for column in of.COLUMNS if column.least is not None}
 
 
-def residuals(rows: Sequence[Row]) -> Complaints:
+def residuals(rows: Sequence[of.Stored]) -> Complaints:
     """Lift and thrust balance."""
     for row in rows:
         for name in ("residual_lift", "residual_thrust"):
@@ -141,58 +132,49 @@ def residuals(rows: Sequence[Row]) -> Complaints:
                 yield name, f"expected at most {RESIDUAL_LIMIT:g}, found {row[name]:.3g}"
 
 
-def bounds(rows: Sequence[Row]) -> Complaints:
+def bounds(rows: Sequence[of.Stored]) -> Complaints:
     """Every variable lies within its bounds."""
+    kind = job_of(rows[0]).kind
     for row in rows:
         if row.get("x_m") is None:
             continue
-        for name, (low, high) in bounds_of(row).items():
+        for name, (low, high) in kind.bounds(row).items():
             slack = BOUND_SLACK * (high - low)
             if not low - slack <= row[name] <= high + slack:
                 yield name, f"expected {low:.6g} to {high:.6g}, found {row[name]:.9g}"
 
 
-def recomputed(rows: Sequence[Row]) -> Complaints:
+def recomputed(rows: Sequence[of.Stored]) -> Complaints:
     """Forces, powers, savings, costs and labels are what the inputs and the solution make them."""
     for row, expected in zip(rows, recompute(rows), strict=True):
-        yield from _unlike(row, expected, RECOMPUTED, "by recomputation")
+        yield from unlike(row, expected, AGREEMENT, "by recomputation")
 
 
-def examined(rows: Sequence[Row]) -> Complaints:
+def examined(rows: Sequence[of.Stored]) -> Complaints:
     """Each place is an optimum, and the evidence for it is what is found there."""
     for row, expected in zip(rows, evidence_of(rows), strict=True):
         stated = {name: value for name, value in expected.items() if _is_stated(row, name)}
-        yield from _unlike(row, stated, EXAMINED, "at the place that is stored")
+        yield from unlike(row, stated, EXAMINED, "at the place that is stored")
 
 
-def _is_stated(row: Row, name: str) -> bool:
+def _is_stated(row: of.Stored, name: str) -> bool:
     return row[name] is not None or row["solver"] == BUILT_IN_SOLVER
 
 
-def _unlike(row: Row, expected: Row, agreement: of.Agreement, how: str) -> Complaints:
-    for name, value in expected.items():
-        found = row[name]
-        if isinstance(value, float) and isinstance(found, float):
-            if not agreement.holds(found, value):
-                yield name, f"expected {value:.12g} {how}, found {found:.12g}"
-        elif found != value:
-            yield name, f"expected {value!r} {how}, found {found!r}"
-
-
-def proofs(rows: Sequence[Row]) -> Complaints:
+def proofs(rows: Sequence[of.Stored]) -> Complaints:
     """The proof is one, no cost is below its bounds, and each gap is that between a cost and its bound."""
-    if rows[0]["kind"] == "pair":
+    if _is_one_problem(rows[0]):
         for name in of.names(of.belonging(of.PROOF, of.EFFORT)):
             if any(row[name] != rows[0][name] for row in rows):
                 yield name, "expected the same in all rows of a job, found several values"
     for row in rows:
         if "v_wall" in row and row["status"] != of.FAILED and not _leads(row):
-            yield from _bounded(row, "v", _is_v_formation(row))
+            yield from _bounded(row, "v", is_v_formation(row))
             yield from _bounded(row, "global", row["rank"] is not None)
             yield from _in_the_v(row)
             # A flock's bird may have optima, and none in the V.
             is_told = row["solver"] == BUILT_IN_SOLVER and (
-                row["kind"] == "pair" or row["status"] == of.SOLVED
+                _is_one_problem(row) or row["status"] == of.SOLVED
             )
             # Where the inputs make no bird there is nothing to prove.
             expected = row["status"] == of.SOLVED if makes_a_bird(row) else None
@@ -203,25 +185,25 @@ def proofs(rows: Sequence[Row]) -> Complaints:
                 )
 
 
-def _bounded(row: Row, region: str, is_covered: bool) -> Complaints:
+def _bounded(row: of.Stored, region: str, is_covered: bool) -> Complaints:
     """A region's bound is below the cost of an optimum in it, and the best one's gap is the one between them."""
     bound, gap = row[f"{region}_lower_bound"], row[f"{region}_certified_gap"]
     if bound is None:
         # A flock's bird with several ahead is proved in its V region alone.
-        if is_covered and row["solver"] == BUILT_IN_SOLVER and (region == "v" or row["kind"] == "pair"):
+        if is_covered and row["solver"] == BUILT_IN_SOLVER and (region == "v" or _is_one_problem(row)):
             yield f"{region}_lower_bound", "expected a bound, as there is such a follower, found none"
         if gap is not None:
             yield f"{region}_certified_gap", f"expected none without a bound, found {gap}"
         return
-    if is_covered and row["cost"] < bound * (1.0 - RECOMPUTED.relative):
+    if is_covered and row["cost"] < bound * (1.0 - AGREEMENT.relative):
         yield "cost", f"expected no less than the proved bound {bound:.12g}, found {row['cost']:.12g}"
     if row[f"is_{region}_optimum"]:
         expected = row["cost"] / bound - 1.0 if bound else math.inf
-        if gap is None or not abs(expected - gap) <= RECOMPUTED.absolute:
+        if gap is None or not abs(expected - gap) <= AGREEMENT.absolute:
             yield f"{region}_certified_gap", f"expected cost over bound less 1, {expected:.3g}, found {gap}"
 
 
-def _in_the_v(row: Row) -> Complaints:
+def _in_the_v(row: of.Stored) -> Complaints:
     """The best place in the V is the V optimum, or costs less and lies on a wall that is named."""
     best, own, wall = row["v_region_certified_gap"], row["v_certified_gap"], row["v_wall"]
     if row["solver"] != BUILT_IN_SOLVER and wall is None:
@@ -231,37 +213,13 @@ def _in_the_v(row: Row) -> Complaints:
             "v_region_certified_gap",
             f"expected v_certified_gap, {own}, as no v_wall is named, found {best}",
         )
-    if wall and (best is None or best < -RECOMPUTED.absolute or (own is not None and best >= own)):
+    if wall and (best is None or best < -AGREEMENT.absolute or (own is not None and best >= own)):
         yield "v_region_certified_gap", f"expected less than v_certified_gap, {own}, on a wall, found {best}"
     if wall and not set(wall.split(",")) <= set(walls()):
         yield "v_wall", f"expected some of {', '.join(walls())}, found {wall!r}"
 
 
-def ranks(rows: Sequence[Row]) -> Complaints:
-    """Optima are distinct and ranked by cost; the first is the global one, the best in the V the V optimum."""
-    if rows[0]["rank"] is None:
-        return
-    best_v = next((row["rank"] for row in rows if _is_v_formation(row) and stays_in_v(row)), None)
-    for number, row in enumerate(rows):
-        if row["rank"] != number:
-            yield "rank", f"expected {number}, found {row['rank']}"
-        if number and row["cost"] < rows[number - 1]["cost"]:
-            yield "cost", f"expected no less than that of rank {number - 1}, found {row['cost']:.12g}"
-        for name, expected in (("is_global_optimum", number == 0), ("is_v_optimum", number == best_v)):
-            if row[name] is not expected:
-                yield name, f"expected {expected} at rank {number}, found {row[name]}"
-    for first, second in alike(rows):
-        yield "rank", f"expected distinct optima, found that of rank {first} again at rank {second}"
-    starts = {row["starts"] for row in rows}
-    if len(starts) > 1:
-        yield "starts", "expected the same in all rows of a job, found several values"
-    elif (hits := sum(row["hits"] or 0 for row in rows)) > (rows[0]["starts"] or math.inf):
-        yield "hits", f"expected no more in all than {rows[0]['starts']} starts, found {hits}"
-    if any(row["v_certified_gap"] is not None for row in rows) and best_v is None:
-        yield "v_certified_gap", "expected none without a V optimum, found one"
-
-
-def numbered(rows: Sequence[Row]) -> Complaints:
+def numbered(rows: Sequence[of.Stored]) -> Complaints:
     """A flock's birds are numbered from 1; all are there, or the last has no place."""
     # A flock whose first bird cannot be has no birds.
     if "bird" not in rows[0] or (rows[0]["bird"] is None and rows[0]["status"] != of.SOLVED):
@@ -273,22 +231,15 @@ def numbered(rows: Sequence[Row]) -> Complaints:
         yield "bird", f"expected {rows[0]['birds']} birds, or a last one without a place, found {len(rows)}"
 
 
-def chain(rows: Sequence[Row]) -> Complaints:
-    """Each bird of a flock follows the one that the shape says, and stands there, on its side."""
-    for row in rows if rows[0]["status"] == of.SOLVED else ():
-        for name, value in links_of(row, rows).items():
-            # Places add up, the rest is the same value.
-            agreement = RECOMPUTED if "_flock" in name else of.EXACT
-            yield from _unlike(row, {name: value}, agreement, "by the flock's shape and the birds ahead")
+def together(rows: Sequence[of.Stored]) -> Complaints:
+    """All rows of a job fit together, as its kind says."""
+    job = job_of(rows[0])
+    yield from job.kind.whole(job, rows)
 
 
-def _is_v_formation(row: Row) -> bool:
-    return (row.get("placement"), row.get("tier"), row.get("station")) == ("outboard", "level", "astern")
-
-
-Check = Callable[[Sequence[Row]], Complaints]
+Check = Callable[[Sequence[of.Stored]], Complaints]
 ASKED_FOR: tuple[Check, ...] = (identity,)
 FORM: tuple[Check, ...] = (outcome, numbers, numbered)
 BOUNDS: tuple[Check, ...] = (bounds,)
 CONTENT: tuple[Check, ...] = (residuals, proofs, recomputed, examined)
-WHOLE: dict[str, tuple[Check, ...]] = {"pair": (ranks,), "flock": (chain,)}
+WHOLE: tuple[Check, ...] = (together,)

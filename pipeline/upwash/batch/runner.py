@@ -19,21 +19,22 @@ from typing import IO, TYPE_CHECKING, Any, TextIO
 from joblib import Parallel, delayed
 
 from upwash import columns as of
+from upwash.batch.bundle import Bundle, encode, run_batch
 from upwash.batch.folder import OF_OWN, Entry, Plan, ResultsFolder, Shard, journal_line
 from upwash.batch.gather import Gathering
 from upwash.batch.index import Known, read_index
-from upwash.batch.job import Bundle, compiling, encode, failed_rows, run_batch
 from upwash.batch.progress import Progress
 from upwash.batch.recovery import verified_index
 from upwash.batch.selection import in_shard, is_to_run
-from upwash.batch.store import schema_in, sync, write_atomic
+from upwash.batch.store import sync, write_atomic
 from upwash.batch.workers import LOKY, stop, workers
 from upwash.errors import UpwashError
-from upwash.sweep.job import BUILT_IN_SOLVER
-from upwash.sweep.solver import own_columns, own_solver
+from upwash.jobs.job import BUILT_IN_SOLVER
+from upwash.jobs.own_solver import own_columns, own_solver
+from upwash.jobs.run import Ended, compiling, failed_rows
 
 if TYPE_CHECKING:
-    from upwash.batch.job import Job
+    from upwash.jobs.job import Job
 
 BATCH_S = 0.25
 """A batch of cheap jobs lasts about so long: long against the cost of handing it over, short to lose."""
@@ -142,7 +143,7 @@ def run_sweep(
             if kept:
                 progress.tell(f"{folder}: {kept} of {len(jobs)} jobs are done, {len(to_do)} left to do")
             stack.callback(progress.close)
-            gathering = Gathering(folder, options.shard, schema_in(folder), plan.text)
+            gathering = Gathering(folder, options.shard, plan.rows, plan.text)
             run = _Run(folder, gathering, journal, progress, tally, options)
             try:
                 run.all(to_do)
@@ -357,7 +358,7 @@ class _Run:
         self.queue.extendleft(reversed(others))
         if len(suspects) == 1 and (self.is_alone or named):
             self.keep(
-                encode([(suspects[0], failed_rows(suspects[0], KILLED), 0.0)], self.gathering.sweep_text)
+                encode([Ended(suspects[0], failed_rows(suspects[0], KILLED))], self.gathering.sweep_text)
             )
         else:
             self.suspects.extend(suspects)

@@ -6,7 +6,7 @@ import base64
 import json
 import os
 import subprocess
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import version
@@ -19,53 +19,19 @@ import pyarrow.parquet as pq
 
 from upwash import __version__
 from upwash import columns as of
-from upwash.batch.folder import GATHERED as GATHERED
-from upwash.batch.folder import ResultsFolder
 from upwash.errors import UpwashError
+from upwash.jobs.schema import table_of, without_own
 from upwash.shipped import checkout
 
 PACKAGES = ("joblib", "numba", "numpy", "pyarrow", "scipy")
-ARROW_TYPES = {of.FLOAT: pa.float64(), of.INTEGER: pa.int64(), of.TEXT: pa.string(), of.TRUTH: pa.bool_()}
 
 # A job has few rows: neither dictionaries nor compression pay in its own file.
 JOB_FILE_OPTIONS = {"use_dictionary": False, "compression": "none", "write_statistics": False}
 TABLE_OPTIONS = {"compression": "zstd", "write_statistics": ["job_id"]}
 
 
-OWN = b"declared_by"
-"""In the metadata of a column that the sweep's own solver declares."""
-
-
 class Damaged(Exception):
     """A file that is not what was written: torn, or with bits changed."""
-
-
-def schema_of(columns: Iterable[of.Column]) -> pa.Schema:
-    """Return the Arrow schema of some columns, with unit and description in each field's metadata."""
-    return pa.schema(
-        pa.field(
-            column.name,
-            ARROW_TYPES[column.type],
-            metadata={"unit": column.unit, "description": column.description},
-        )
-        for column in columns
-    )
-
-
-def rows_schema(kind: str, own: Iterable[of.Column] = ()) -> pa.Schema:
-    """Return the schema of the rows of a kind of sweep, with the columns of a solver's own at the end."""
-    return pa.schema([*ROWS[kind], *_marked(own)])
-
-
-def schema_in(folder: ResultsFolder) -> pa.Schema:
-    """Return the schema of the rows in a results folder."""
-    plan = folder.plan()
-    return rows_schema(folder.kind(), plan.columns if plan else ())
-
-
-def own_fields(schema: pa.Schema) -> list[pa.Field]:
-    """Return the columns of a solver's own."""
-    return [field for field in schema if OWN in (field.metadata or {})]
 
 
 def conformed(table: pa.Table, schema: pa.Schema) -> pa.Table:
@@ -89,20 +55,6 @@ def conformed(table: pa.Table, schema: pa.Schema) -> pa.Table:
         for field in schema
     ]
     return pa.table(columns, schema=schema)
-
-
-def _marked(columns: Iterable[of.Column]) -> list[pa.Field]:
-    return [field.with_metadata(field.metadata | {OWN: b"solver"}) for field in schema_of(columns)]
-
-
-SOLUTIONS = schema_of(of.SOLUTIONS_COLUMNS)
-SUMMARY = schema_of(of.SUMMARY_COLUMNS)
-FLOCK = schema_of(of.FLOCK_COLUMNS)
-FLOCK_SUMMARY = schema_of(of.FLOCK_SUMMARY_COLUMNS)
-
-# Kind of sweep -> schema of its rows, schema of its summary.
-ROWS = {"pair": SOLUTIONS, "flock": FLOCK}
-SUMMARIES = {"pair": SUMMARY, "flock": FLOCK_SUMMARY}
 
 
 @cache
@@ -158,24 +110,8 @@ def metadata_of(schema: pa.Schema) -> dict[str, str]:
     return {key.decode(): value.decode() for key, value in (schema.metadata or {}).items()}
 
 
-def table_of(rows: list[dict[str, Any]], schema: pa.Schema) -> pa.Table:
-    """Make a table from rows; a column that a row lacks is null there.
-
-    Raises
-    ------
-    ValueError
-        If a row has a column that the schema does not know, or a value of the wrong type.
-    """
-    unknown = sorted({name for row in rows for name in row} - set(schema.names))
-    if unknown:
-        raise ValueError(f"rows: expected columns of the schema, found {', '.join(unknown)}; add them to it")
-    # A list of dicts becomes a struct in one call, which is twice as fast as column by column.
-    structs = pa.array(rows, type=pa.struct(list(schema)))
-    return pa.Table.from_batches([pa.RecordBatch.from_struct_array(structs)])
-
-
 def encode(
-    rows: list[dict[str, Any]],
+    rows: Sequence[of.Row],
     schema: pa.Schema,
     metadata: dict[str, str],
     options: Mapping[str, Any] = JOB_FILE_OPTIONS,
@@ -331,17 +267,13 @@ def open_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pq.P
         found = file.schema_arrow
         written_by = metadata_of(found).get("schema_version")
         is_ours = written_by == str(of.SCHEMA_VERSION)
-        if is_ours and _without_own(found).equals(_without_own(schema), check_metadata=True):
+        if is_ours and without_own(found).equals(without_own(schema), check_metadata=True):
             return file
     if not is_ours:
         expected = f"schema version {of.SCHEMA_VERSION}"
         remedy = "take another results folder, or the version of Upwash that wrote it"
         raise UpwashError(f"{path}: expected {expected}, found {written_by or 'none'}; {remedy}")
     raise Damaged(f"{path}: its columns are not those of schema version {of.SCHEMA_VERSION}")
-
-
-def _without_own(schema: pa.Schema) -> pa.Schema:
-    return pa.schema([field for field in schema if OWN not in (field.metadata or {})])
 
 
 def read_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pa.Table:

@@ -15,6 +15,8 @@ from upwash.optimum.settings import FLOCK_CHOICES
 if TYPE_CHECKING:
     import pandas as pd
 
+    from upwash.jobs.kind import Kind
+
 PLANES = ("xy", "xz", "xk")
 OPTIMA = {"v": "is_v_optimum", "global": "is_global_optimum"}
 
@@ -106,9 +108,10 @@ def _optimum(label: str, chosen: dict[str, Any]) -> pd.Series:
     """Solve one bird's pair and return the optimum asked for."""
     from upwash.columns import SOLVED
     from upwash.errors import UpwashError
+    from upwash.jobs.pair import Pair
     from upwash.report.answer import answer
 
-    rows = _solved("pair", chosen)
+    rows = _solved(Pair, chosen)
     if rows["status"].iloc[0] != SOLVED:
         raise UpwashError(answer(rows))
     found = rows[rows[OPTIMA[label]].eq(True)]
@@ -118,15 +121,15 @@ def _optimum(label: str, chosen: dict[str, Any]) -> pd.Series:
     return found.iloc[0]
 
 
-def _solved(kind: str, chosen: dict[str, Any]) -> pd.DataFrame:
+def _solved(kind: type[Kind], chosen: dict[str, Any]) -> pd.DataFrame:
     """Solve the problem that a command line states and return its rows."""
-    from upwash.batch.job import solve
-    from upwash.batch.store import ROWS, table_of
+    from upwash.jobs.run import solve
+    from upwash.jobs.schema import table_of
     from upwash.sweep.single import single_job
 
     job = single_job(kind, **chosen)
     at_work("solving")
-    return table_of(solve(job), ROWS[kind]).to_pandas()
+    return table_of(solve(job), job.kind.rows).to_pandas()
 
 
 @click.command()
@@ -159,11 +162,12 @@ def animate(birds: int, shape: str, output: Path, **chosen: Any) -> None:
     """
     from upwash.columns import SOLVED
     from upwash.errors import UpwashError
+    from upwash.jobs.flock import Flock
     from upwash.report.animation import check_ending, write_animation
 
     check_ending(output)
     flock = {"birds": birds, "shape": shape, "wake": "neighbour", "reading": "immediate"}
-    rows = _solved("flock", chosen | flock)
+    rows = _solved(Flock, chosen | flock)
     placed = rows[(rows["status"] == SOLVED) & rows["x_flock_m"].notna()]
     if len(placed) < 2:
         raise UpwashError(f"{rows['species'].iloc[0]}: {rows['error'].dropna().iloc[-1]}")

@@ -53,7 +53,7 @@ def reproduce(results: str, json_output: bool) -> None:
     """
     from upwash.batch.compare import compare_folders
     from upwash.batch.folder import ResultsFolder
-    from upwash.batch.store import GATHERED, SOLUTIONS, read_table
+    from upwash.batch.store import read_table
     from upwash.paper import judge_claims, read_evidence
     from upwash.paper.evidence import beside
     from upwash.paper.ledger import tally, write_claims
@@ -66,7 +66,7 @@ def reproduce(results: str, json_output: bool) -> None:
     text = solve_and_check(SWEEP, folder)
     for path in others:
         solve_and_check(path.name, ResultsFolder(path))
-    solutions = read_table(folder.path / GATHERED["pair"], SOLUTIONS).to_pandas()
+    solutions = read_table(folder.gathered(), folder.schema()).to_pandas()
     comparison = compare_folders(folder, ResultsFolder(REFERENCE))[0]
     at_work("judging the claims")
     ledger = judge_claims(read_evidence(results))

@@ -357,16 +357,17 @@ def rerun(results: str, job: str, as_json: bool) -> None:
     """
     from upwash.batch.compare import compare
     from upwash.batch.folder import ResultsFolder
-    from upwash.batch.job import job_of, run_job, schema_of
     from upwash.batch.lookup import rows_of
-    from upwash.batch.store import table_of
+    from upwash.jobs.job import job_of
+    from upwash.jobs.run import run_job, schema_of_rows
+    from upwash.jobs.schema import table_of
 
     stored = rows_of(ResultsFolder(results), job)
     at_work("solving")
     again = job_of(stored[0])
-    schema = schema_of(again)
+    schema = schema_of_rows(again)
     rows = [{name: row.get(name) for name in schema.names} for row in stored]
-    comparison = compare(table_of(rows, schema), table_of(run_job(again), schema))
+    comparison = compare(table_of(rows, schema), table_of(run_job(again).rows, schema))
     _report([comparison], f"{results}, job {again.job_id}", ("stored", "now"), as_json)
 
 

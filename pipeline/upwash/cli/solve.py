@@ -80,14 +80,15 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
       upwash optimum ./mybird.toml --set speed_m_s=12 --all
       upwash optimum northern-bald-ibis --model limit --objective power --distance-m 1.2
     """
-    from upwash.batch.job import solve
-    from upwash.batch.store import SOLUTIONS, table_of
+    from upwash.jobs.pair import Pair
+    from upwash.jobs.run import solve
+    from upwash.jobs.schema import table_of
     from upwash.report.answer import answer, job_record
     from upwash.sweep.single import single_job
 
-    job = single_job("pair", parts={"distance_m": distance_m}, **chosen)
+    job = single_job(Pair, parts={"distance_m": distance_m}, **chosen)
     at_work("solving")
-    table = table_of(solve(job), SOLUTIONS)
+    table = table_of(solve(job), job.kind.rows)
     if json_output:
         click.echo(json.dumps(job_record(table.to_pylist()), indent=2, allow_nan=False))
         return
@@ -138,24 +139,25 @@ def flock(wavelengths: str | None, joint: bool, json_output: bool, **chosen: Any
       upwash flock northern-bald-ibis --birds 6 --objective power
       upwash flock northern-bald-ibis --shape vee --wake all-upstream --joint
     """
-    from upwash.batch.job import flock_of, inputs_of, solve
-    from upwash.batch.store import FLOCK, table_of
     from upwash.errors import UpwashError
+    from upwash.jobs.flock import Flock, flock_of
+    from upwash.jobs.run import inputs_of, solve
+    from upwash.jobs.schema import table_of
     from upwash.report.flock_answer import flock_answer, flock_record
     from upwash.sweep.single import single_job
 
-    job = single_job("flock", parts={"wavelengths": wavelengths}, **chosen)
+    job = single_job(Flock, parts={"wavelengths": wavelengths}, **chosen)
     if joint and job.model.is_endless:
         remedy = "leave out --joint, or give --wavelengths a number"
         raise UpwashError(f"--joint: expected wakes that end, found endless ones; {remedy}")
     at_work("solving")
-    chain = table_of(solve(job), FLOCK)
+    chain = table_of(solve(job), job.kind.rows)
     improved = None
     if joint:
         from upwash.optimum.joint import improve_together
 
         solution = improve_together(flock_of(job))
-        improved = table_of([inputs_of(job) | row for row in solution.flock.rows()], FLOCK)
+        improved = table_of([inputs_of(job) | row for row in solution.flock.rows()], job.kind.rows)
     if json_output:
         record = flock_record((improved or chain).to_pylist())
         if improved:

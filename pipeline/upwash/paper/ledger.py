@@ -8,8 +8,9 @@ from typing import Any
 
 import pandas as pd
 
-from upwash.batch.store import encode, provenance, schema_of, write_atomic
+from upwash.batch.store import encode, provenance, write_atomic
 from upwash.columns import TEXT, Column
+from upwash.jobs.schema import schema_of
 from upwash.paper import (
     of_flock,
     of_forces,

@@ -246,7 +246,7 @@ def _provenance(study: Study, folder: Path) -> dict[str, Any]:
     jobs = study.rows.drop_duplicates("job_id")
     # In a pair's rows the time is the job's, in a flock's that of each bird.
     by_job = study.rows.groupby("job_id")["solve_time_s"]
-    times = (by_job.sum(min_count=1) if study.kind == "flock" else by_job.first()).dropna()
+    times = (by_job.first() if study.kind.is_one_problem else by_job.sum(min_count=1)).dropna()
     versions = [version.partition("+") for version in study.metadata.get("code_version", "").split(", ")]
     return {
         "folder": _relative(study.path, folder),

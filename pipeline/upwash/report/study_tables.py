@@ -18,11 +18,11 @@ from upwash.batch.store import (
     cannot_write,
     encode,
     provenance,
-    schema_of,
     write_atomic,
 )
 from upwash.columns import INTEGER, Column
 from upwash.errors import UpwashError
+from upwash.jobs.schema import schema_of
 from upwash.report import species_tables as show
 from upwash.report.table import Table
 from upwash.study import comparison as between_species

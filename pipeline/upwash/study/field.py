@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.field_map import COORDINATES, PLANES, ForceMap, force_map
-from upwash.batch.store import TABLE_OPTIONS, provenance, replacing, schema_of
+from upwash.batch.store import TABLE_OPTIONS, provenance, replacing
 from upwash.columns import Column
+from upwash.jobs.schema import schema_of
 from upwash.optimum.problem import STREAMWISE_REACH
 from upwash.study.rows import bird_of, model_of, pose_of
 

@@ -12,8 +12,11 @@ import pandas as pd
 
 from upwash import columns as of
 from upwash.batch.folder import ResultsFolder
-from upwash.batch.store import GATHERED, ROWS, Damaged, metadata_of, read_table
+from upwash.batch.store import Damaged, metadata_of, read_table
 from upwash.errors import UpwashError
+from upwash.jobs.flock import Flock
+from upwash.jobs.kind import Kind
+from upwash.jobs.kinds import KINDS
 from upwash.species.library import LIBRARY_FOLDER, REFERENCE, load_species
 from upwash.study.intervals import KEYS
 from upwash.study.observations import read_observations
@@ -70,7 +73,7 @@ class Study:
     """One gathered results folder: its rows, and the metadata of the file that holds them."""
 
     path: Path
-    kind: str
+    kind: type[Kind]
     rows: pd.DataFrame
     metadata: dict[str, str]
 
@@ -83,13 +86,13 @@ def read_study(path: Path) -> Study:
     UpwashError
         If there is no such folder, or its jobs have not been gathered.
     """
-    kind = next((kind for kind, name in GATHERED.items() if (path / name).exists()), "")
-    if not kind:
+    kind = next((kind for kind in KINDS.values() if (path / kind.file).exists()), None)
+    if kind is None:
         ResultsFolder(path).require()
-        expected = " or ".join(GATHERED.values())
+        expected = " or ".join(kind.file for kind in KINDS.values())
         raise UpwashError(f"{path}: expected {expected}, found neither; gather it: upwash aggregate {path}")
     try:
-        table = read_table(path / GATHERED[kind], ROWS[kind])
+        table = read_table(path / kind.file, kind.rows)
     except Damaged as error:
         raise UpwashError(
             f"{error}; 'upwash check {path}' says more, running the sweep again fixes it"
@@ -115,7 +118,7 @@ def _frames_of(study: Study) -> dict[str, pd.DataFrame | None]:
     solved = study.rows[study.rows["status"] == of.SOLVED]
     if solved.empty:
         return {}
-    if study.kind == "flock":
+    if study.kind is Flock:
         return {"flock": solved}
     problems = study.rows.drop_duplicates([*PROBLEM, "objective"])
     pair = subject(solved)

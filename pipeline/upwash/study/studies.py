@@ -8,7 +8,8 @@ from collections.abc import Callable
 import pandas as pd
 
 from upwash.batch.folder import Plan, ResultsFolder
-from upwash.batch.store import GATHERED, ROWS, read_table
+from upwash.batch.store import read_table
+from upwash.jobs.pair import Pair
 from upwash.study.intervals import KEYS, outside_of_samples
 from upwash.study.quantities import optima_of_jobs
 
@@ -27,7 +28,7 @@ def study_of(plan: Plan) -> str:
     blocks = content.get("block", [])
     tables = [content, *(blocks if isinstance(blocks, list) else [blocks])]
     keys = {key for table in tables for key in table}
-    if plan.kind != "pair" or keys & {"solver", "grid", "zip"}:
+    if plan.kind is not Pair or keys & {"solver", "grid", "zip"}:
         return ""
     samples = [table["sample"] for table in tables if "sample" in table]
     if not samples:
@@ -45,7 +46,7 @@ def is_of_several_species(rows: pd.DataFrame) -> bool:
 
 def read_rows(folder: ResultsFolder) -> pd.DataFrame:
     """Return all rows of a gathered results folder of pairs."""
-    return read_table(folder.path / GATHERED["pair"], ROWS["pair"]).to_pandas()
+    return read_table(folder.path / Pair.file, Pair.rows).to_pandas()
 
 
 def samples_beside(
@@ -56,7 +57,7 @@ def samples_beside(
     Samples of a bird that has changed since they were drawn are left out, and said to be.
     """
     beside = ResultsFolder(folder.path.resolve().parent / UNCERTAINTY)
-    if not (beside.path / GATHERED["pair"]).exists():
+    if not (beside.path / Pair.file).exists():
         remedy = f"'upwash run {UNCERTAINTY}' and 'upwash aggregate' on its results, then on these again"
         tell(f"{folder}: tables without intervals: expected samples in {beside}, found none; {remedy}")
         return None

@@ -9,14 +9,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from upwash.jobs.job import MODEL_VERSION, Job
     from upwash.sweep.file import Sweep, read_sweep
-    from upwash.sweep.job import MODEL_VERSION, Job
 
 __all__ = ["MODEL_VERSION", "Job", "Sweep", "read_sweep"]
 
 _HOME = {
-    "MODEL_VERSION": "upwash.sweep.job",
-    "Job": "upwash.sweep.job",
+    "MODEL_VERSION": "upwash.jobs.job",
+    "Job": "upwash.jobs.job",
     "Sweep": "upwash.sweep.file",
     "read_sweep": "upwash.sweep.file",
 }

@@ -12,11 +12,12 @@ from upwash.aero.bird import Bird
 from upwash.aero.checked import WrongInput
 from upwash.aero.wake import GIVEN, NAMES, WakeModel
 from upwash.errors import UpwashError
-from upwash.optimum.settings import FLOCK_CHOICES, FlockRules, SearchSettings
-from upwash.optimum.solvable import need_solvable
+from upwash.jobs.bird import BIRD_COLUMNS, NoBird, bird_of, wavelength_ratio
+from upwash.jobs.job import BUILT_IN_SOLVER, Job
+from upwash.jobs.kind import Kind
+from upwash.optimum.settings import SearchSettings
 from upwash.species import ImpossibleAmplitude, Species
 from upwash.sweep.choices import MODEL, OF_THE_BIRD, PARTS
-from upwash.sweep.job import BIRD_COLUMNS, BUILT_IN_SOLVER, Flock, Job, NoBird, bird_of, wavelength_ratio
 from upwash.sweep.values import Setting, unit_sample
 
 STROKE_ANGLE = "stroke_half_angle_deg"
@@ -98,7 +99,9 @@ class Block:
 
     Parameters
     ----------
-    kind, solver : str
+    kind : type of Kind
+        What its jobs are.
+    solver : str
         As for `Job`.
     species : list of Species
         Birds.
@@ -114,7 +117,7 @@ class Block:
         Input -> condition; a job that meets all of one is left out.
     """
 
-    kind: str
+    kind: type[Kind]
     solver: str
     species: list[Species]
     choices: dict[str, list[Any]]
@@ -158,15 +161,12 @@ class Block:
     def _job(self, species: Species, choice: Choice, point: Mapping[str, Setting]) -> Job:
         convention = choice["amplitude"]
         is_given = "amplitude_m" in point and not point["amplitude_m"].relative
-        flock = None
-        if self.kind == "flock":
-            rules = FlockRules(**{name: choice[name] for name in FLOCK_CHOICES})
-            flock = Flock(choice["birds"], rules)
+        kind = self.kind.from_inputs(choice)
         bird = _bird(species, convention, point)
         try:
             model = _model(bird, point)
             if self.solver == BUILT_IN_SOLVER:
-                need_solvable(model, flock.rules if flock else None)
+                kind.need_solvable(model)
             return Job(
                 species=species.slug,
                 objective=choice["objective"],
@@ -174,7 +174,7 @@ class Block:
                 bird=bird,
                 model=model,
                 search=SearchSettings(choice["seed"], choice["tolerance"]),
-                flock=flock,
+                kind=kind,
                 solver=self.solver,
                 distance_m=point["distance_m"].value if "distance_m" in point else None,
             )

@@ -5,14 +5,11 @@ from __future__ import annotations
 from upwash import columns as of
 from upwash.aero.checked import REACH, Rule, one_of, positive, rules_of
 from upwash.aero.wake import LENGTH, NAMES, WakeModel
-from upwash.optimum.settings import BIRDS, SearchSettings
+from upwash.optimum.settings import SearchSettings
 from upwash.species.species import INPUT_RULES
 
-CHOICES: dict[str, Rule] = {
-    **{name: rules_of(SearchSettings)[name] for name in ("seed", "tolerance")},
-    "birds": BIRDS,
-}
-"""Inputs that are numbers but no parameters."""
+CHOICES: dict[str, Rule] = {name: rules_of(SearchSettings)[name] for name in ("seed", "tolerance")}
+"""How to search."""
 
 MODEL = "model"
 """The parameter that names a model of the wake, of which others then are parts."""

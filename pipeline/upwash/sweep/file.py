@@ -12,35 +12,32 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from upwash.aero.checked import finite, whole_from
+from upwash.aero.checked import Rule, finite, whole_from
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.errors import UpwashError
-from upwash.optimum.settings import FLOCK_CHOICES
+from upwash.jobs.job import BUILT_IN_SOLVER, ID_BYTES, Job
+from upwash.jobs.kind import Kind
+from upwash.jobs.kinds import KINDS
+from upwash.jobs.own_solver import own_solver
+from upwash.jobs.pair import Pair
 from upwash.shipped import shipped
 from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
 from upwash.species.file import NAMES, did_you_mean, file_here, printable
 from upwash.sweep.block import Axis, Block, Condition, Sample
 from upwash.sweep.choices import CHOICES, MODEL, PARAMETERS, UNSCALED, WORDED, rule_of
 from upwash.sweep.entry import Entry, read_toml
-from upwash.sweep.job import BUILT_IN_SOLVER, ID_BYTES, KINDS, Job
-from upwash.sweep.solver import own_solver
 from upwash.sweep.values import MAX_POINTS, SAMPLERS, Setting, is_number, sampling_range, settings
 
 SWEEP_FOLDER = shipped("sweeps")
 
 DEFAULTS: dict[str, Any] = {"objective": "force", "amplitude": "stroke-angle", "seed": 0, "tolerance": 1e-4}
-FLOCK_DEFAULTS: dict[str, Any] = {
-    "birds": 6,
-    "shape": "echelon",
-    "wake": "neighbour",
-    "reading": "immediate",
-}
 FILE_KEYS = ("name", "description", "kind", "solver", "block")
-BLOCK_KEYS = ("species", *DEFAULTS, MODEL, "fixed", "grid", "zip", "sample", "exclude", "flock")
+OF_KINDS = tuple(kind.name for kind in KINDS.values() if kind.choices)
+"""Kinds that have a table of their own."""
+
+BLOCK_KEYS = ("species", *DEFAULTS, MODEL, "fixed", "grid", "zip", "sample", "exclude", *OF_KINDS)
 SAMPLE_KEYS = ("method", "count", "seed", "within", "parameters", "ranges")
-TEXT_INPUTS = ("species", "objective", "amplitude", *FLOCK_CHOICES)
-LENGTH = "wavelengths"
-"""A flock's own table may say how long its wakes are."""
+TEXT_INPUTS = ("species", "objective", "amplitude")
 
 # A sweep's name becomes a folder's: nothing in it may lead elsewhere, hide it, or be too long.
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,79}")
@@ -60,8 +57,8 @@ class Sweep:
         Safe to use as a folder's name.
     text : str
         The file's own text.
-    kind : str
-        ``pair`` or ``flock``.
+    kind : type of Kind
+        What its jobs are.
     count : int
         Number of jobs.
     varied : frozenset of str
@@ -74,7 +71,7 @@ class Sweep:
 
     name: str
     text: str
-    kind: str
+    kind: type[Kind]
     count: int
     varied: frozenset[str]
     blocks: tuple[Block, ...]
@@ -149,7 +146,7 @@ def read_sweep(
         remedy = "it names the results folder: set name = to a plain one"
         raise name.unexpected("up to 80 letters, digits, dots, hyphens and underscores", remedy)
     keys.get("description", top.at("")).text()
-    kind = keys.get("kind", top.at("pair")).one_of(KINDS)
+    kind = KINDS[keys.get("kind", top.at(Pair.name)).one_of(KINDS)]
     solver = keys.get("solver", top.at(BUILT_IN_SOLVER))
     if not SOLVER.fullmatch(solver.text()):
         raise solver.unexpected("package.module:function")
@@ -218,7 +215,7 @@ class _Varied:
 class _BlockReader:
     """Makes the jobs of one block after another; species are loaded once."""
 
-    def __init__(self, folder: Path, kind: str, solver: str) -> None:
+    def __init__(self, folder: Path, kind: type[Kind], solver: str) -> None:
         self.folder = folder
         self.kind = kind
         self.solver = solver
@@ -279,29 +276,38 @@ class _BlockReader:
             "amplitude": [entry.one_of(AMPLITUDE_CONVENTIONS) for entry in given["amplitude"]],
             **{name: [entry.by(CHOICES[name]) for entry in given[name]] for name in ("seed", "tolerance")},
         }
-        if self.kind == "pair":
-            if "flock" in keys:
-                message = 'expected no such table in a sweep of pairs; write kind = "flock" at the top'
-                raise keys["flock"].error(message)
-            return choices
-        flock = keys["flock"].table((*FLOCK_DEFAULTS, LENGTH)) if "flock" in keys else {}
-        given = {key: flock.get(key, table.at(default)).each() for key, default in FLOCK_DEFAULTS.items()}
-        choices["birds"] = [entry.by(CHOICES["birds"]) for entry in given["birds"]]
-        return choices | {
-            key: [one.one_of(names) for one in given[key]] for key, names in FLOCK_CHOICES.items()
-        }
+        for other in KINDS.keys() & keys.keys() - {self.kind.name}:
+            message = (
+                f'expected no such table in a sweep of {self.kind.name}s; write kind = "{other}" at the top'
+            )
+            raise keys[other].error(message)
+        own = self.own_table(keys)
+        for key, usual in self.kind.usual.items():
+            rule = self.kind.choices[key]
+            choices[key] = [
+                entry.by(rule) if isinstance(rule, Rule) else entry.one_of(rule)
+                for entry in own.get(key, table.at(usual)).each()
+            ]
+        return choices
+
+    def own_table(self, keys: dict[str, Entry]) -> dict[str, Entry]:
+        """Return what the table of the sweep's kind holds, if there is one."""
+        kind = self.kind
+        return keys[kind.name].table((*kind.choices, *kind.parts)) if kind.name in keys else {}
 
     def named(self, keys: dict[str, Entry]) -> Iterator[tuple[str, Entry]]:
         """Give the parameters that have a key elsewhere than in the tables of parameters: of the wake's model."""
         if MODEL in keys:
             yield MODEL, keys[MODEL]
-        if self.kind == "flock" and "flock" in keys and LENGTH in (table := keys["flock"].table()):
-            yield LENGTH, table[LENGTH]
+        own = self.own_table(keys)
+        yield from ((name, own[name]) for name in self.kind.parts if name in own)
 
     def exclusion(self, entry: Entry) -> dict[str, Condition]:
         """Return the conditions that a job must all meet to be left out."""
-        names = ("species", *DEFAULTS, *(FLOCK_DEFAULTS if self.kind == "flock" else ()), *PARAMETERS)
-        conditions = {name: _condition(name, below) for name, below in entry.table(names).items()}
+        names = ("species", *DEFAULTS, *self.kind.choices, *PARAMETERS)
+        words = [name for name, rule in self.kind.choices.items() if not isinstance(rule, Rule)]
+        texts = {*TEXT_INPUTS, *WORDED, *words}
+        conditions = {name: _condition(below, name in texts) for name, below in entry.table(names).items()}
         if not conditions:
             raise entry.error("expected at least one condition, found none; write parameter = value")
         return conditions
@@ -405,8 +411,8 @@ def _refuse_repeated(varied: list[_Varied], sample: Sample | None, keys: dict[st
         seen[one.name] = str(("the keys of the file", *one.entry.path)[-2])
 
 
-def _condition(name: str, entry: Entry) -> Condition:
-    value, is_text = entry.value, name in (*TEXT_INPUTS, *WORDED)
+def _condition(entry: Entry, is_text: bool) -> Condition:
+    value = entry.value
     if isinstance(value, dict) and not is_text:
         bounds: dict[str, Any] = {
             key: below.by(finite) for key, below in entry.table(("above", "below")).items()

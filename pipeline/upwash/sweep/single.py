@@ -6,17 +6,19 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Any
 
+from upwash.aero.checked import Rule
 from upwash.errors import UpwashError
+from upwash.jobs.job import BUILT_IN_SOLVER, Job
+from upwash.jobs.kind import Kind
 from upwash.species import load_species
 from upwash.species.file import did_you_mean, printable
 from upwash.sweep.block import Block
 from upwash.sweep.choices import CHOICES, MODEL, OF_THE_BIRD, PARAMETERS
-from upwash.sweep.job import BUILT_IN_SOLVER, Job
 from upwash.sweep.values import Setting
 
 
 def single_job(
-    kind: str,
+    kind: type[Kind],
     species: str,
     settings: Iterable[str],
     amplitude: str,
@@ -28,8 +30,8 @@ def single_job(
 
     Parameters
     ----------
-    kind : str
-        ``pair`` or ``flock``.
+    kind : type of Kind
+        What the job is.
     species : str
         Name in the library, or path of a species file.
     settings : iterable of str
@@ -48,9 +50,10 @@ def single_job(
     UpwashError
         If the species, an input or a value is wrong, or they make no bird.
     """
-    for name in choices.keys() & CHOICES.keys():
-        if expected := CHOICES[name].broken_by(choices[name]):
-            raise UpwashError(f"--{name}: expected {expected}, found {choices[name]}; correct it")
+    for name, value in choices.items():
+        rule = CHOICES.get(name, kind.choices.get(name))
+        if isinstance(rule, Rule) and (expected := rule.broken_by(value)):
+            raise UpwashError(f"--{name}: expected {expected}, found {value}; correct it")
     fixed: dict[str, Setting] = {}
     for name, setting in map(_setting, settings):
         if name in fixed:

@@ -16,7 +16,13 @@ from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.checked import REACH, WrongInput, one_of
 from upwash.aero.wake import WakeModel
-from upwash.optimum.settings import BIRDS, FlockRules, SearchSettings
+from upwash.columns import Row
+from upwash.errors import UpwashError
+from upwash.jobs.bird import BIRD_COLUMNS, NoBird, bird_of, inputs_of, wavelength_ratio
+from upwash.jobs.kind import Kind
+from upwash.jobs.kinds import KINDS
+from upwash.jobs.pair import Pair
+from upwash.optimum.settings import SearchSettings
 
 MODEL_VERSION = 2
 """Raised by hand when a change of the code changes results: every job then gets a new id."""
@@ -27,83 +33,13 @@ BUILT_IN_SOLVER = "upwash"
 INPUTS = of.names(of.belonging(of.PROBLEM, of.SEARCH, of.FLOCK))
 """Columns that a job is made of."""
 
-KINDS = ("pair", "flock")
-
 ID_BYTES = 8
-
-# Where a bird's fields are named otherwise in a file: there they tell the lone bird from the follower.
-LEADERS = {"amplitude_m": "leader_amplitude_m", "upstroke_span_ratio": "leader_upstroke_span_ratio"}
-BIRD_COLUMNS = {entry.name: LEADERS.get(entry.name, entry.name) for entry in fields(Bird)}
 
 _FLOATS = frozenset(column.name for column in of.COLUMNS if column.type == of.FLOAT and not column.words)
 _PAPER = WakeModel()
 
 # Inputs that came later: a job states what of them differs from the paper's, so that no old id changes.
 _LATER = {name: getattr(_PAPER, name) for name in ("stroke_rule", "core", "span_law")}
-_LATER_OF_PAIRS = _LATER | {"wavelengths": _PAPER.wavelengths}
-
-Cell = float | int | str | None
-
-
-@dataclass(frozen=True, slots=True)
-class NoBird:
-    """Inputs that make no bird, which is a result and for the job to report.
-
-    Parameters
-    ----------
-    inputs : tuple of float
-        The fields of `upwash.aero.bird.Bird`, in order.
-    why : str
-        What is wrong with them.
-    """
-
-    inputs: tuple[float, ...]
-    why: str
-
-
-def bird_of(inputs: Mapping[str, float]) -> Bird | NoBird:
-    """Return the bird of its fields, or that they make none.
-
-    Examples
-    --------
-    >>> from upwash import load_species
-    >>> ibis = load_species("northern-bald-ibis").bird()
-    >>> bird_of(vars(ibis)) == ibis
-    True
-    >>> bird_of(vars(ibis) | {"amplitude_m": 3.0}).why
-    'amplitude_m: expected at most twice the semispan (1.2 m, a half-angle of 90°), found 3.0'
-    """
-    try:
-        return Bird(**inputs)
-    except ValueError as error:
-        return NoBird(tuple(inputs[name] for name in BIRD_COLUMNS), str(error))
-
-
-def wavelength_ratio(bird: Bird | NoBird) -> float:
-    """Return the wavelength of a bird's wake over its semispan, whether it is a bird or not."""
-    if isinstance(bird, Bird):
-        return bird.wavelength_m / bird.semispan_m
-    inputs = dict(zip(BIRD_COLUMNS, bird.inputs, strict=True))
-    return inputs["speed_m_s"] * inputs["period_s"] / inputs["semispan_m"]
-
-
-@dataclass(frozen=True)
-class Flock:
-    """A flock that is to be built.
-
-    Parameters
-    ----------
-    birds : int
-        How many birds, the first one included.
-    rules : FlockRules
-        How it is built.
-    """
-
-    birds: int
-    rules: FlockRules = FlockRules()
-
-    def __post_init__(self) -> None:
-        BIRDS("birds", self.birds)
 
 
 @dataclass(frozen=True)
@@ -124,8 +60,8 @@ class Job:
         How the wakes are resolved.
     search : SearchSettings
         Seed and tolerance of the search; the rest is as usual.
-    flock : Flock or None
-        The flock, or None for a pair.
+    kind : Kind
+        What is asked for, with the inputs of its own: a pair, or a flock.
     solver : str
         `BUILT_IN_SOLVER`, or ``package.module:function``.
     distance_m : float or None
@@ -144,7 +80,7 @@ class Job:
     bird: Bird | NoBird
     model: WakeModel = _PAPER
     search: SearchSettings = SearchSettings()
-    flock: Flock | None = None
+    kind: Kind = Pair()
     solver: str = BUILT_IN_SOLVER
     distance_m: float | None = None
     job_id: str = field(init=False, compare=False)
@@ -161,34 +97,22 @@ class Job:
                 raise WrongInput("distance_m", f"none, {found}", self.distance_m)
         object.__setattr__(self, "job_id", job_id(self.inputs()))
 
-    @property
-    def kind(self) -> str:
-        """``pair`` or ``flock``."""
-        return "flock" if self.flock else "pair"
-
-    def inputs(self) -> dict[str, Cell]:
+    def inputs(self) -> Row:
         """Return the inputs by column, as JSON has them; what does not apply is None."""
-        bird = self.bird
-        values = (
-            bird.inputs if isinstance(bird, NoBird) else tuple(getattr(bird, name) for name in BIRD_COLUMNS)
-        )
-        flock = self.flock
-        found: dict[str, Any] = dict(zip(BIRD_COLUMNS.values(), values, strict=True))
-        found |= {
-            "kind": self.kind,
+        found: dict[str, Any] = {
+            **dict.fromkeys(INPUTS),
+            **inputs_of(self.bird),
+            "kind": self.kind.name,
+            **self.kind.inputs(),
             "species": self.species,
             "objective": self.objective,
             "amplitude_convention": self.amplitude_convention,
             "seed": self.search.seed,
             "tolerance": self.search.tolerance,
             "solver": self.solver,
-            "birds": flock.birds if flock else None,
-            "shape": flock.rules.shape if flock else None,
-            "wake": flock.rules.wake if flock else None,
-            "reading": flock.rules.reading if flock else None,
             "distance_m": self.distance_m,
         }
-        found |= of.told(vars(self.model)) | {"model": self.model.name(wavelength_ratio(bird))}
+        found |= of.told(vars(self.model)) | {"model": self.model.name(wavelength_ratio(self.bird))}
         return {name: found[name] for name in INPUTS}
 
     @classmethod
@@ -204,7 +128,7 @@ class Job:
         given = {name: value for name, value in given.items() if value is not None}
         if given.get("wavelengths") == "endless":
             given["wavelengths"] = math.inf
-        kind = one_of(KINDS)("kind", given["kind"])
+        kind = KINDS[one_of(tuple(KINDS))("kind", given["kind"])]
 
         def some(*names: str) -> dict[str, Any]:
             return {name: given[name] for name in names if name in given}
@@ -214,9 +138,7 @@ class Job:
             bird=bird_of({name: given[column] for name, column in BIRD_COLUMNS.items()}),
             model=WakeModel(**some(*(entry.name for entry in fields(WakeModel)))),
             search=SearchSettings(**some("seed", "tolerance")),
-            flock=Flock(given["birds"], FlockRules(**some("shape", "wake", "reading")))
-            if kind == "flock"
-            else None,
+            kind=kind.from_inputs(given),
         )
 
 
@@ -225,10 +147,10 @@ def canonical_text(inputs: Mapping[str, Any], model_version: int = MODEL_VERSION
 
     One ``name=value`` a line, sorted by name; numbers by their shortest exact text, so that 1 and 1.0, or
     0.0 and -0.0, are the same; inputs that do not apply (None), and those that came later and are the paper's, are
-    left out, so that a new kind of input changes no id. A model's name follows from its parts.
+    left out, so that a new sort of input changes no id. A model's name follows from its parts.
     """
     lines = [f"model_version={model_version}"]
-    usual = _LATER_OF_PAIRS if inputs.get("kind") == "pair" else _LATER
+    usual = _LATER | KINDS[inputs["kind"]].later
     for name, value in inputs.items():
         if value is not None and name != "model" and usual.get(name) != value:
             lines.append(f"{name}={repr(float(value) + 0.0) if name in _FLOATS else json.dumps(value)}")
@@ -239,3 +161,20 @@ def job_id(inputs: Mapping[str, Any], model_version: int = MODEL_VERSION) -> str
     """Return the id of the job with these inputs: 16 hexadecimal digits."""
     text = canonical_text(inputs, model_version)
     return hashlib.blake2b(text.encode(), digest_size=ID_BYTES).hexdigest()
+
+
+def job_of(row: Mapping[str, Any]) -> Job:
+    """Return the job that a stored row came from, made of its inputs alone.
+
+    Raises
+    ------
+    UpwashError
+        If they are no inputs of a job.
+    """
+    try:
+        return Job.of(row)
+    except (ValueError, KeyError, TypeError) as error:
+        found = " ".join(str(error).split())
+        raise UpwashError(
+            f"job {row.get('job_id')}: expected a job's inputs, found {found}; run it again"
+        ) from error

@@ -1,0 +1,140 @@
+"""One bird behind another: a job whose rows are the optima of one problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from upwash import columns as of
+from upwash.aero.pose import Pose, Stroke
+from upwash.aero.wake import WakeModel
+from upwash.jobs.kind import Answer, Kind
+from upwash.jobs.schema import of_two, own_fields, schema_of
+from upwash.jobs.stored import (
+    Complaints,
+    bounds_behind,
+    is_v_formation,
+    pose_of,
+    pose_to_the_right,
+    stroke_of,
+)
+
+if TYPE_CHECKING:
+    from upwash.aero.bird import Bird
+    from upwash.jobs.job import Job
+    from upwash.optimum.problem import PairProblem
+    from upwash.optimum.proof import Proof
+
+NO_BALANCE = "no balance: no position within the bounds balances lift and thrust"
+"""Why a pair is infeasible whose bird can be."""
+
+
+@dataclass(frozen=True)
+class Pair(Kind):
+    """A follower behind a leader; it has no inputs of its own."""
+
+    name = "pair"
+    file = "solutions.parquet"
+    rows = schema_of(of.SOLUTIONS_COLUMNS)
+    summary = schema_of(of.SUMMARY_COLUMNS)
+    is_one_problem = True
+    later = {"wavelengths": WakeModel().wavelengths}
+
+    @classmethod
+    def from_inputs(cls, given: Mapping[str, Any]) -> Self:
+        return cls()
+
+    def inputs(self) -> dict[str, of.Cell]:
+        return {}
+
+    def solve(self, job: Job, bird: Bird) -> Answer:
+        from upwash.optimum.pair import solve_pair
+
+        solution = solve_pair(
+            bird, job.objective, model=job.model, search=job.search, distance_m=job.distance_m
+        )
+        if solution.status == of.SOLVED:
+            return of.SOLVED, "", solution.rows()
+        return solution.status, NO_BALANCE, [solution.of_the_job()]
+
+    @classmethod
+    def summary_schema(cls, rows: pa.Schema) -> pa.Schema:
+        return pa.schema([*cls.summary, *own_fields(rows)])
+
+    @classmethod
+    def _summary(cls, rows: pa.Table, starts: NDArray[np.intp]) -> pa.Table:
+        """Return the V optimum's row of each job, with nulls where a job has none."""
+        is_v = rows.column("is_v_optimum").fill_null(False).to_numpy()
+        cost = rows.column("cost").to_numpy()
+        job = np.repeat(np.arange(starts.size), np.diff([*starts, rows.num_rows]))
+        chosen = starts.copy()
+        chosen[job[is_v]] = np.flatnonzero(is_v)
+        has_v = is_v[chosen]
+        summary = rows.take(chosen)
+        # What is true of the job stands in the row of one that has no V optimum too.
+        own = [field.name for field in own_fields(rows.schema)]
+        for name in (*of.names(of.belonging(of.OPTIMUM)), *own):
+            place = summary.schema.get_field_index(name)
+            values = summary.column(place).combine_chunks()
+            only_v = pa.compute.if_else(has_v, values, pa.scalar(None, values.type))
+            summary = summary.set_column(place, summary.schema.field(place), only_v)
+        # The best of a job comes first.
+        gap = pa.array(cost[chosen] / cost[starts] - 1.0, mask=~has_v)
+        count = np.add.reduceat(rows.column("rank").is_valid().to_numpy().astype(np.int64), starts)
+        return of_two(
+            cls.summary_schema(rows.schema), summary, {"v_gap": gap, "optima_found": pa.array(count)}
+        )
+
+    def problems(self, job: Job, bird: Bird, rows: Sequence[of.Stored]) -> list[Sequence[PairProblem]]:
+        from upwash.optimum.pair import pair_problem
+
+        shared = [pair_problem(bird, job.objective, model=job.model, distance_m=job.distance_m)]
+        return [shared for _ in rows]
+
+    def felt(self, row: of.Stored, rows: Sequence[of.Stored]) -> Iterator[tuple[Stroke, Pose]]:
+        yield stroke_of(row, "leader_"), pose_of(row)
+
+    def bounds(self, row: of.Stored) -> dict[str, tuple[float, float]]:
+        leader = stroke_of(row, "leader_")
+        return bounds_behind(row, leader, leader.amplitude_m)
+
+    def why_none(self, row: of.Stored, proof: Proof) -> str:
+        return NO_BALANCE
+
+    def whole(self, job: Job, rows: Sequence[of.Stored]) -> Complaints:
+        """Optima are distinct and ranked by cost; the first is the global one, the best in the V the V optimum."""
+        from upwash.aero.bird import Bird
+        from upwash.optimum.verify import alike, stays_in_v
+
+        if rows[0]["rank"] is None:
+            return
+        problem = self.problems(job, job.bird, rows[:1])[0][0] if isinstance(job.bird, Bird) else None
+        in_v = (
+            row["rank"]
+            for row in rows
+            if is_v_formation(row) and (problem is None or stays_in_v(problem, pose_to_the_right(row)))
+        )
+        best_v = next(in_v, None)
+        for number, row in enumerate(rows):
+            if row["rank"] != number:
+                yield "rank", f"expected {number}, found {row['rank']}"
+            if number and row["cost"] < rows[number - 1]["cost"]:
+                yield "cost", f"expected no less than that of rank {number - 1}, found {row['cost']:.12g}"
+            for name, expected in (("is_global_optimum", number == 0), ("is_v_optimum", number == best_v)):
+                if row[name] is not expected:
+                    yield name, f"expected {expected} at rank {number}, found {row[name]}"
+        for first, second in alike(problem, list(map(pose_to_the_right, rows))) if problem else ():
+            yield "rank", f"expected distinct optima, found that of rank {first} again at rank {second}"
+        starts = {row["starts"] for row in rows}
+        if len(starts) > 1:
+            yield "starts", "expected the same in all rows of a job, found several values"
+        elif (hits := sum(row["hits"] or 0 for row in rows)) > (rows[0]["starts"] or inf):
+            yield "hits", f"expected no more in all than {rows[0]['starts']} starts, found {hits}"
+        if any(row["v_certified_gap"] is not None for row in rows) and best_v is None:
+            yield "v_certified_gap", "expected none without a V optimum, found one"

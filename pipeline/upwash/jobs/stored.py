@@ -1,0 +1,81 @@
+"""What the columns of a stored row stand for, as values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf
+
+from upwash import columns as of
+from upwash.aero.pose import Pose, Stroke
+from upwash.optimum import problem
+from upwash.optimum.endless.problem import DISTANCE
+
+Complaints = Iterator[tuple[str, str]]
+"""Columns, and what does not hold of them: what was expected, and what was found."""
+
+AGREEMENT = of.Agreement(relative=1e-9, absolute=1e-9)
+"""How closely a stored value must agree with its recomputation, which sums in another order."""
+
+
+def stroke_of(row: of.Stored, prefix: str = "") -> Stroke:
+    """Return how a row's bird flaps or, by a prefix of the columns, another one."""
+    return Stroke(row[f"{prefix}amplitude_m"], row[f"{prefix}upstroke_span_ratio"])
+
+
+def pose_of(row: of.Stored) -> Pose:
+    """Return where and how a row's bird flies, relative to the one that it follows."""
+    return Pose(row["x_m"], row["y_m"], row["z_m"], stroke_of(row), row["phase"])
+
+
+def pose_to_the_right(row: of.Stored) -> Pose:
+    """Return the pose of a row's bird as its problem has it, to the right of the one that it follows."""
+    return Pose(row["x_m"], abs(row["y_m"]), row["z_m"], stroke_of(row), row["phase"])
+
+
+def place_of(row: of.Stored) -> Pose:
+    """Return where and how a row's bird flies, relative to the first of its flock."""
+    x, y, z = (row[f"{axis}_flock_m"] for axis in "xyz")
+    return Pose(x, y, z, stroke_of(row), row["phase_flock"])
+
+
+def is_v_formation(row: of.Stored) -> bool:
+    """Whether a row's bird is outboard, level and astern."""
+    return (row.get("placement"), row.get("tier"), row.get("station")) == ("outboard", "level", "astern")
+
+
+def bounds_behind(row: of.Stored, ahead: Stroke, limit_m: float) -> dict[str, tuple[float, float]]:
+    """Return the bounds of a row's variables to the right of the bird ahead, by column.
+
+    Parameters
+    ----------
+    row : mapping
+        A solved row.
+    ahead : Stroke
+        How the bird ahead flaps.
+    limit_m : float
+        Largest amplitude of the row's bird, in m.
+    """
+    wavelength = row["speed_m_s"] * row["period_s"]
+    x = (0.0, problem.STREAMWISE_REACH * wavelength)
+    if row["wavelengths"] == inf:
+        # It is the distance asked for.
+        x = (row["distance_m"] or DISTANCE * wavelength,) * 2
+    return {
+        "x_m": x,
+        "y_m": (0.0, problem.SPANWISE_REACH * row["semispan_m"]),
+        "z_m": (-ahead.amplitude_m, ahead.amplitude_m),
+        "amplitude_m": (problem.LEAST_AMPLITUDE * limit_m, limit_m),
+        "upstroke_span_ratio": problem.SPAN_RATIO_BOUNDS,
+        "phase": (0.0, 1.0),
+    }
+
+
+def unlike(row: of.Stored, expected: of.Stored, agreement: of.Agreement, how: str) -> Complaints:
+    """Give the columns of a row that do not hold what is expected, and how that was found."""
+    for name, value in expected.items():
+        found = row[name]
+        if isinstance(value, float) and isinstance(found, float):
+            if not agreement.holds(found, value):
+                yield name, f"expected {value:.12g} {how}, found {found:.12g}"
+        elif found != value:
+            yield name, f"expected {value!r} {how}, found {found!r}"
