@@ -344,16 +344,20 @@ COLUMNS = (
     _power("power_profile_w", description="follower's profile power"),
     _power("power_parasite_w", description="follower's parasite power"),
     _power("power_total_w", description="follower's total power", label="total power"),
+    _power(
+        "power_wake_w", description="energy that the follower's own rings carry, per time; in no other power"
+    ),
     _power("leader_power_induced_w", description="leader's induced power", belongs=JOB),
     _power("leader_power_profile_w", description="leader's profile power", belongs=JOB),
     _power("leader_power_parasite_w", description="leader's parasite power", belongs=JOB),
     _power("leader_power_total_w", description="leader's total power", belongs=JOB, label="total power"),
+    _power("leader_power_wake_w", description="energy that the leader's rings carry, per time", belongs=JOB),
     _saving("saving_induced", description="share of the leader's induced power saved", head="induced"),
     _saving("saving_profile", description="share of the leader's profile power saved", head="profile"),
     _saving("saving_total", description="share of the leader's total power saved", listed=(JOBS, OPTIMA)),
     _cost(
         "cost",
-        description="follower's cost: force N, power W, cost_of_transport J/m",
+        description="follower's cost: force N, power and aerodynamic_power W, cost_of_transport J/m",
         format="#.6g",
         listed=(OPTIMA,),
     ),

@@ -61,7 +61,15 @@ def test_the_cost_functions_by_name(ibis):
         "force": "N",
         "power": "W",
         "cost_of_transport": "J/m",
+        "aerodynamic_power": "W",
     }
+
+
+def test_aerodynamic_power_counts_no_drag_twice(ibis):
+    """Thrust times speed pays for the whole drag; the body's own power is in it."""
+    cost = COST_FUNCTIONS["aerodynamic_power"].value(ibis, ibis.weight_n, ibis.drag_n)
+    assert cost == pytest.approx(total_power_w(ibis, ibis.weight_n, ibis.drag_n) - parasite_power_w(ibis))
+    assert cost == pytest.approx(induced_power_w(ibis, ibis.weight_n) + ibis.drag_n * ibis.speed_m_s)
 
 
 @EACH_COST

@@ -17,6 +17,7 @@ RECOMPUTED = [
     *("weight_n", "drag_n", "lift_self_n", "thrust_self_n", "lift_wake_n", "thrust_wake_n"),
     *("power_induced_w", "power_profile_w", "power_parasite_w", "power_total_w"),
     *("leader_power_induced_w", "leader_power_profile_w", "leader_power_parasite_w", "leader_power_total_w"),
+    *("power_wake_w", "leader_power_wake_w"),
     *("saving_induced", "saving_profile", "saving_total", "cost", "cost_leader"),
 ]
 SOLUTION = ["x_m", "y_m", "z_m", "amplitude_m", "upstroke_span_ratio"]

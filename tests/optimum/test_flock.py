@@ -270,7 +270,10 @@ class TestRefuses:
             ),
             ({"rules": {"wake": "none"}}, "wake: expected one of neighbour, all-upstream, found 'none'"),
             ({"rules": {"reading": "both"}}, "reading: expected one of immediate, lone, found 'both'"),
-            ({"objective": "joy"}, "objective: expected one of force, power, cost_of_transport, found 'joy'"),
+            (
+                {"objective": "joy"},
+                "objective: expected one of force, power, cost_of_transport, aerodynamic_power, found 'joy'",
+            ),
             ({"birds": 1}, "birds: expected a whole number of at least 2, found 1"),
             ({"birds": 2.0}, "birds: expected a whole number of at least 2, found 2.0"),
             (

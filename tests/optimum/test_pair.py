@@ -148,7 +148,10 @@ class TestInfeasible:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"objective": "speed"}, "objective: expected one of cost_of_transport, force, power, found 'speed'"),
+        (
+            {"objective": "speed"},
+            "objective: expected one of aerodynamic_power, cost_of_transport, force, power, found 'speed'",
+        ),
         ({"search": {"tolerance": 0.0}}, "tolerance: expected a number between 0 and 1, found 0.0"),
         ({"search": {"tolerance": math.nan}}, "tolerance: expected a number between 0 and 1, found nan"),
         ({"model": WakeModel(stroke_states=4)}, "stroke_states: expected 2 \\(.*, found 4"),

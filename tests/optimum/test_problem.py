@@ -152,7 +152,10 @@ class TestBounds:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"objective": "speed"}, "objective: expected one of cost_of_transport, force, power, found 'speed'"),
+        (
+            {"objective": "speed"},
+            "objective: expected one of aerodynamic_power, cost_of_transport, force, power, found 'speed'",
+        ),
         ({"ahead": Stroke(1.3, 0.4)}, "amplitude_m: expected at most twice the semispan"),
         ({"ahead": Stroke(1.0, 0.8)}, "upstroke_span_ratio: expected a lone bird that makes thrust"),
         ({"amplitude_limit_m": float("nan")}, "amplitude_m: expected"),

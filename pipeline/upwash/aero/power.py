@@ -91,4 +91,6 @@ COST_FUNCTIONS: dict[str, CostFunction] = {
     "force": CostFunction("N", force=1.0),
     "power": CostFunction("W", induced=1.0, profile=1.0, parasite=1.0),
     "cost_of_transport": CostFunction("J/m", induced=1.0, profile=1.0, parasite=1.0, per_metre=True),
+    # Thrust times speed pays for all drag, the body's too: without parasite power nothing is counted twice.
+    "aerodynamic_power": CostFunction("W", induced=1.0, profile=1.0),
 }

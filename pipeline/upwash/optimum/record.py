@@ -14,6 +14,7 @@ from upwash.aero.interaction import wake_force
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
 from upwash.aero.wake import WakeModel
+from upwash.aero.wake_energy import wake_power_w
 from upwash.optimum.problem import ASTERN, LEVEL, OUTBOARD
 
 V_LABELS = ("outboard", "level", "astern")
@@ -48,10 +49,12 @@ class Record:
     power_profile_w: float
     power_parasite_w: float
     power_total_w: float
+    power_wake_w: float
     leader_power_induced_w: float
     leader_power_profile_w: float
     leader_power_parasite_w: float
     leader_power_total_w: float
+    leader_power_wake_w: float
     saving_induced: float
     saving_profile: float
     saving_total: float
@@ -146,10 +149,12 @@ def record(
         power_profile_w=own[1],
         power_parasite_w=own[2],
         power_total_w=sum(own),
+        power_wake_w=wake_power_w(bird, stroke, model),
         leader_power_induced_w=alone[0],
         leader_power_profile_w=alone[1],
         leader_power_parasite_w=alone[2],
         leader_power_total_w=sum(alone),
+        leader_power_wake_w=wake_power_w(bird, bird.stroke, model),
         saving_induced=1.0 - own[0] / alone[0],
         saving_profile=1.0 - own[1] / alone[1],
         saving_total=1.0 - sum(own) / sum(alone),
