@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 from numba import njit
-from upwash.aero.induction import FOUR_PI, filament_velocity, fill_velocity, velocity
+from upwash.aero.compiled.rings import FOUR_PI, filament_velocity, fill_velocity
+from upwash.aero.induction import velocity
 from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 
 from benchmarks.contest import Contender, Contest

@@ -13,8 +13,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from upwash.optimum.local import SCALE
-from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.compiled.descent import SCALE
+from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.problem import PairProblem
 from upwash.optimum.search import Search
 
 from benchmarks.contest import Contender, Contest

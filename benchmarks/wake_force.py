@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 from upwash.aero.bird import Bird
+from upwash.aero.compiled.lanes import wake_force_jacobian
 from upwash.aero.interaction import phase_piece, phase_weights, wake_force
-from upwash.aero.lanes import wake_force_jacobian, wake_lanes
+from upwash.aero.lanes import wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 

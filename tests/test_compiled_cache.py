@@ -213,7 +213,7 @@ def test_constants_that_compile_differently_are_told_apart(one, other):
 def test_what_is_told_is_the_same_in_every_process():
     script = (
         "from upwash.kernel import _name\n"
-        "from upwash.optimum.certify import clear_boxes\n"
+        "from upwash.optimum.compiled.boxes import clear_boxes\n"
         "print(_name(clear_boxes))"
     )
     names = {

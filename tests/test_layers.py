@@ -119,6 +119,18 @@ def test_the_physics_needs_arrays_and_a_compiler_and_no_file(path):
 
 
 @pytest.mark.parametrize("path", MODULES, ids=name_of)
+def test_kernels_stand_in_their_own_folders_and_alone(path):
+    is_compiled = path.parent.name == "compiled" and path.name != "__init__.py"
+    assert ("upwash.kernel.kernel" in imports_of(path)) == is_compiled
+    functions = [
+        node for node in ast.parse(path.read_text(encoding="utf-8")).body if isinstance(node, ast.FunctionDef)
+    ]
+    assert not is_compiled or all(
+        any("kernel" in ast.unparse(each) for each in node.decorator_list) for node in functions
+    )
+
+
+@pytest.mark.parametrize("path", MODULES, ids=name_of)
 def test_a_module_says_what_it_is_for(path):
     assert not NAMES_THAT_SAY_NOTHING & set(path.relative_to(PACKAGE).with_suffix("").parts)
     assert ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))

@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
-from upwash.aero.induction import filament_velocity
+from upwash.aero.compiled.rings import filament_velocity
 
 from . import paper
 

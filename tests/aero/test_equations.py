@@ -28,7 +28,7 @@ LABELLED = {
     "optimal_spanwise_dist": ("rule of spanwise spacing", "aero/wake.py", "spanwise_spacing_rule"),
     "eqn:full_integral": ("force on a lifting line", "aero/interaction.py", "state_forces"),
     "eqn:integral_approx": ("trapezoidal rule from tip to tip", "aero/span_integral.py", "span_nodes"),
-    "v_ind": ("velocity induced by a filament", "aero/induction.py", "filament_velocity"),
+    "v_ind": ("velocity induced by a filament", "aero/compiled/rings.py", "filament_velocity"),
 }
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from upwash.aero import field_map
+from upwash.aero.compiled import field_map as compiled
 from upwash.aero.field_map import PLANES, force_map
 from upwash.aero.interaction import net_force
 from upwash.aero.pose import Pose, Stroke
@@ -35,9 +36,9 @@ def test_equals_the_net_force_place_by_place(ibis, plane, model):
 @pytest.mark.parametrize("block", [4, 35, 4096])
 def test_does_not_depend_on_how_many_places_are_taken_at_a_time(ibis, block, monkeypatch):
     whole = force_map(ibis, LEADER, POSE, "xy", X, SECOND["xy"])
-    monkeypatch.setattr(field_map, "BLOCK", block)
+    monkeypatch.setattr(compiled, "BLOCK", block)
     # Compiled code keeps the constant it was compiled with: this runs the same function as plain Python.
-    monkeypatch.setattr(field_map, "_add_force", field_map._add_force.py_func)
+    monkeypatch.setattr(field_map, "add_force", compiled.add_force.py_func)
     parts = force_map(ibis, LEADER, POSE, "xy", X, SECOND["xy"])
     assert parts.lift_n == pytest.approx(whole.lift_n, rel=1e-13)
     assert parts.thrust_n == pytest.approx(whole.thrust_n, rel=1e-13)
@@ -46,7 +47,7 @@ def test_does_not_depend_on_how_many_places_are_taken_at_a_time(ibis, block, mon
 def test_more_places_than_a_block_are_all_filled(ibis):
     x, y = np.linspace(0.0, 5.0, 70), np.linspace(0.0, 2.0, 70)
     found = force_map(ibis, LEADER, POSE, "xy", x, y)
-    assert x.size * y.size > field_map.BLOCK
+    assert x.size * y.size > compiled.BLOCK
     for i, j in ((0, 0), (58, 35), (58, 36), (69, 69)):
         lift, thrust = net_force(ibis, LEADER, replace(POSE, x_m=x[j], y_m=y[i]))
         assert (found.lift_n[i, j], found.thrust_n[i, j]) == pytest.approx((lift, thrust))

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from upwash.aero.induction import ring_velocity_gradient
-from upwash.aero.interaction import phase_piece, state_circulation_ratio, wake_force
-from upwash.aero.lanes import (
+from upwash.aero.compiled.lanes import (
     ALONG_X,
     ALONG_Z,
     AMPLITUDE,
@@ -26,8 +24,10 @@ from upwash.aero.lanes import (
     Y,
     Z,
     wake_force_jacobian,
-    wake_lanes,
 )
+from upwash.aero.compiled.rings import ring_velocity_gradient
+from upwash.aero.interaction import phase_piece, state_circulation_ratio, wake_force
+from upwash.aero.lanes import wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.span_integral import span_nodes
 from upwash.aero.wake import WakeModel, vortex_wake

@@ -5,15 +5,14 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from upwash.aero.induction import (
+from upwash.aero.compiled.rings import (
     BLOCK,
     FOUR_PI,
     filament_velocity,
     fill_velocity,
     ring_velocity_gradient,
-    velocity,
-    velocity_gradient,
 )
+from upwash.aero.induction import velocity, velocity_gradient
 
 CORE = 0.1
 

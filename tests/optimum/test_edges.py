@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
-from upwash.aero.lanes import HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
+from upwash.aero.compiled.lanes import HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
 from upwash.aero.pose import Stroke
 from upwash.aero.wake import WakeModel
+from upwash.optimum.compiled.edges import edge_distance, edge_pull
+from upwash.optimum.compiled.problem import CORE2, evaluate
 from upwash.optimum.core_edge import CoreEdge, edges_in, other_side
-from upwash.optimum.edges import FILAMENTS, distinct_edges, edge_distance, edge_pull
+from upwash.optimum.edges import FILAMENTS, distinct_edges
 from upwash.optimum.evidence import name_edge
-from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.problem import PairProblem
 
 # Corner of a ring at which each of FILAMENTS begins; it ends at the next.
 CORNER = {"starting": 0, "right tip": 1, "stopping": 2, "left tip": 3}

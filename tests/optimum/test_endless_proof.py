@@ -15,7 +15,6 @@ import pytest
 from upwash.aero.bird import Bird
 from upwash.aero.compiled.endless import HEIGHT, SHIFT, SPAN_FIXED, SPAN_FLEXED, endless_force_jacobian
 from upwash.aero.wake import WakeModel
-from upwash.optimum import certify
 from upwash.optimum.compiled import endless_boxes, endless_enclosure
 from upwash.optimum.compiled.endless_descent import evaluate_endless
 from upwash.optimum.endless.problem import EndlessProblem
@@ -312,7 +311,9 @@ def lost_tracers(code, search, seed, rounds):
                 np.empty((4, problem.wake_felt.steps.shape[1])),
             )
             followed += 1
-            kept = state == certify.OPEN and np.all(where >= low - 1e-9) and np.all(where <= high + 1e-9)
+            kept = (
+                state == endless_boxes.OPEN and np.all(where >= low - 1e-9) and np.all(where <= high + 1e-9)
+            )
             lost += not (kept and bound <= cost + 1e-9)
     return lost, followed
 

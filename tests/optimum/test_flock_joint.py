@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from upwash.optimum.compiled.descent import SCALE
 from upwash.optimum.flock import solve_flock
 from upwash.optimum.joint import improve_together
 from upwash.optimum.joint_problem import JointProblem
-from upwash.optimum.local import SCALE
 from upwash.optimum.settings import FlockRules
 
 

@@ -4,14 +4,16 @@ import dataclasses
 
 import numpy as np
 import pytest
+from upwash.aero.compiled.lanes import wake_force_jacobian
 from upwash.aero.interaction import phase_weights, wake_force
-from upwash.aero.lanes import wake_force_jacobian, wake_lanes
+from upwash.aero.lanes import wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel
+from upwash.optimum.compiled.problem import CORE2
 from upwash.optimum.flock import solve_flock
 from upwash.optimum.flock_wake import Place, flock_problems, superposed_wake
 from upwash.optimum.pieces import solve_pieces
-from upwash.optimum.problem import CORE2, PairProblem
+from upwash.optimum.problem import PairProblem
 from upwash.optimum.record import record
 from upwash.optimum.settings import FlockRules, SearchSettings
 

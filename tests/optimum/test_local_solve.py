@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from upwash import Bird, load_species
-from upwash.optimum.edges import edge_distance
+from upwash.optimum.compiled.descent import BALANCED, SCALE, SOLVED, UNBALANCED, solve_local
+from upwash.optimum.compiled.edges import edge_distance
+from upwash.optimum.compiled.problem import CORE2, DRAG, evaluate
 from upwash.optimum.evidence import gather_evidence
-from upwash.optimum.local import BALANCED, SCALE, SOLVED, UNBALANCED, solve_local
-from upwash.optimum.problem import CORE2, DRAG, PairProblem, evaluate
+from upwash.optimum.problem import PairProblem
 from upwash.optimum.search import Search
 
 # Near the V optimum of the ibis for force: x, y, z, h in semispans, R, |κ − ½|.

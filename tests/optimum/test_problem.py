@@ -8,7 +8,8 @@ from upwash.aero.interaction import net_force
 from upwash.aero.pose import Stroke
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import WakeModel
-from upwash.optimum.problem import CORE2, VARIABLES, PairProblem, evaluate
+from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.problem import VARIABLES, PairProblem
 
 POINTS = 20
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from upwash.optimum.quadratic import MOST_INEQUALITIES, solve_quadratic
+from upwash.optimum.compiled.quadratic import MOST_INEQUALITIES, solve_quadratic
 
 TOLERANCE = 1e-9
 

@@ -7,10 +7,11 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from upwash.optimum.edges import edge_distance, edge_pull
+from upwash.optimum.compiled.descent import SCALE
+from upwash.optimum.compiled.edges import edge_distance, edge_pull
+from upwash.optimum.compiled.problem import CORE2, evaluate
 from upwash.optimum.evidence import gather_evidence
-from upwash.optimum.local import SCALE
-from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.problem import PairProblem
 from upwash.optimum.record import labels
 from upwash.optimum.search import (
     MOST_NEIGHBOURHOODS,

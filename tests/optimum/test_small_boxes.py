@@ -10,7 +10,7 @@ from threading import Thread
 import numpy as np
 import pytest
 from upwash.aero.bird import Bird
-from upwash.aero.lanes import (
+from upwash.aero.compiled.lanes import (
     CENTRE_Y,
     FIRST_X,
     FIRST_Z,
@@ -23,8 +23,10 @@ from upwash.aero.lanes import (
     wake_force_jacobian,
 )
 from upwash.aero.wake import WakeModel
-from upwash.optimum import certify, enclosure
-from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.certify import certify
+from upwash.optimum.compiled import enclosure
+from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.problem import PairProblem
 
 PHASE_END = 0.5
 BIRDS = {
@@ -186,7 +188,7 @@ def assert_is_not_excluded(problem, point, cost, width):
     """Check that no proof around a balanced follower closes above its cost."""
     around = width * np.ones(6)
     box = np.clip(np.stack([point - around, point + around], axis=1), *problem.bounds.T[:, :, None])
-    proof = certify.certify(problem, box, cost * 1.0005, 1e-4, 3000)
+    proof = certify(problem, box, cost * 1.0005, 1e-4, 3000)
     assert not proof.is_closed
     assert proof.lower_bound <= cost + 1e-9
 
@@ -228,7 +230,7 @@ def test_a_proof_ends_where_a_coordinate_is_large_against_the_box():
     box = problem.bounds.copy()
     box[0] = 900.0
     claims = []
-    proof = Thread(target=lambda: claims.append(certify.certify(problem, box, 2.0, 1e-4, 50)), daemon=True)
+    proof = Thread(target=lambda: claims.append(certify(problem, box, 2.0, 1e-4, 50)), daemon=True)
     proof.start()
     proof.join(100.0)
     assert claims

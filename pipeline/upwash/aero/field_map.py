@@ -14,21 +14,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from upwash.aero.bird import Bird
 from upwash.aero.compiled.endless import LEAST_PHASE, fill_endless_force
+from upwash.aero.compiled.field_map import add_force
 from upwash.aero.endless import endless_wake_of
-from upwash.aero.induction import fill_velocity
 from upwash.aero.interaction import phase_weights, state_circulation_ratio
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.span_integral import span_nodes
 from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
-from upwash.kernel import kernel
 
 PLANES = {"xy": "y", "xz": "z", "xk": "phase"}
 """Each plane's second coordinate; the first is x."""
 
 COORDINATES = ("x", "y", "z", "phase")
-
-# Positions taken at a time: their coordinates and velocities stay in the second-level cache.
-BLOCK = 4096
 
 
 @dataclass(frozen=True)
@@ -52,23 +48,6 @@ class ForceMap:
     second: NDArray[np.float64]
     lift_n: NDArray[np.float64]
     thrust_n: NDArray[np.float64]
-
-
-@kernel
-def _add_force(positions, aside, above, per_velocity, rings, circulation, core_radius, force):
-    """Add to each position's lift and thrust what the wake's velocity at one span node gives in one state."""
-    points, wind = np.empty((BLOCK, 3)), np.empty((BLOCK, 3))
-    for first in range(0, positions.shape[0], BLOCK):
-        part = positions[first : first + BLOCK]
-        size = part.shape[0]
-        for i in range(size):
-            points[i, 0] = part[i, 0]
-            points[i, 1] = part[i, 1] + aside
-            points[i, 2] = part[i, 2] + above
-        fill_velocity(points[:size], rings, circulation, core_radius, wind[:size])
-        for i in range(size):
-            force[first + i, 0] += per_velocity * wind[i, 0]
-            force[first + i, 1] += per_velocity * wind[i, 2]
 
 
 def _weighted_wake_force(
@@ -100,7 +79,7 @@ def _weighted_wake_force(
         rings, circulation = wake.rings[share != 0.0], (wake.circulation * share)[share != 0.0]
         own = bird.circulation_m2_s * state_circulation_ratio(bird, k, states)
         for node, weight in zip(*span_nodes(model.span_nodes), strict=True):
-            _add_force(
+            add_force(
                 positions,
                 half_span * node,
                 stroke.amplitude_m * stroke_height(k / states),

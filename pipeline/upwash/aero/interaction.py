@@ -5,8 +5,8 @@ the follower for [k/N + κ, (k+1)/N + κ).  Their overlap weighs the force of th
 line of its own circulation at which the wake's velocity is taken in a few nodes.  The paper's model is N = 2 with the
 two wingtips as nodes.
 
-This module is the plain statement of the model, in SI units; `upwash.aero.lanes` is the same force compiled for the
-search, with its Jacobian.
+This module is the plain statement of the model, in SI units; `upwash.aero.compiled.lanes` is the same force for the
+search, compiled and with its Jacobian.
 """
 
 from __future__ import annotations

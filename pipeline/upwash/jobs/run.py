@@ -170,8 +170,8 @@ def compiling(job: Job) -> str:
     if job.solver != BUILT_IN_SOLVER:
         return ""
     from upwash.kernel import COMPILING, is_kept
-    from upwash.optimum.certify import clear_boxes
-    from upwash.optimum.search import solve_many
+    from upwash.optimum.compiled.boxes import clear_boxes
+    from upwash.optimum.compiled.descent import solve_many
 
     return "" if is_kept(solve_many) and is_kept(clear_boxes) else COMPILING
 

@@ -22,11 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from upwash.aero.lanes import HEIGHT, NODE
+from upwash.aero.compiled.lanes import HEIGHT, NODE
+from upwash.optimum.compiled.descent import SCALE, lagrangian_hessian
+from upwash.optimum.compiled.edges import edge_distance, edge_pull
+from upwash.optimum.compiled.problem import CORE2, evaluate
 from upwash.optimum.core_edge import BOTH, CoreEdge
-from upwash.optimum.edges import FILAMENTS, edge_distance, edge_pull
-from upwash.optimum.local import SCALE, lagrangian_hessian
-from upwash.optimum.problem import CORE2, VARIABLES, PairProblem, evaluate
+from upwash.optimum.edges import FILAMENTS
+from upwash.optimum.problem import VARIABLES, PairProblem
 
 ON_EDGE = 1e-7
 """Largest distance from a core edge, as s = r²/r_c² − 1, of a point that lies on it."""

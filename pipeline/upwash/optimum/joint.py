@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize, nnls
 
+from upwash.optimum.compiled.descent import SCALE
+from upwash.optimum.compiled.problem import CORE2
 from upwash.optimum.edges import distinct_edges
 from upwash.optimum.evidence import ON_BOUND, ON_EDGE, gather_evidence
 from upwash.optimum.flock_solution import FlockSolution, Member, on_side
 from upwash.optimum.joint_problem import Edges, Evaluation, JointProblem, Sides
-from upwash.optimum.local import SCALE
-from upwash.optimum.problem import CORE2
 from upwash.optimum.search import Basin
 from upwash.optimum.solution import describe_optimum
 

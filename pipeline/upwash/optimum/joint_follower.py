@@ -12,12 +12,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.aero.lanes import ALONG_X, ALONG_Z
+from upwash.aero.compiled.lanes import ALONG_X, ALONG_Z
 from upwash.aero.pose import Pose, Stroke
-from upwash.optimum.edges import distinct_edges, edge_distance
+from upwash.optimum.compiled.edges import edge_distance
+from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.edges import distinct_edges
 from upwash.optimum.flock_solution import FlockSolution
 from upwash.optimum.flock_wake import FlockProblem, Place, flock_problems, superposed_wake
-from upwash.optimum.problem import CORE2, evaluate
 
 GENERIC = 1e-2
 """How far, in m, birds are moved about to tell edges that always coincide from edges that happen to."""

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from upwash.optimum.compiled.descent import SCALE
 from upwash.optimum.flock_solution import FlockSolution
 from upwash.optimum.flock_wake import Place
 from upwash.optimum.joint_follower import AMPLITUDE, PHASE, Follower, Z
-from upwash.optimum.local import SCALE
 from upwash.optimum.problem import LEAST_AMPLITUDE
 
 STEP = 1e-6

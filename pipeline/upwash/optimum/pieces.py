@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.optimum.certify import certify
+from upwash.optimum.compiled.descent import SCALE
 from upwash.optimum.evidence import ON_BOUND, Evidence, gather_evidence
-from upwash.optimum.local import SCALE
 from upwash.optimum.problem import VARIABLES, PairProblem
 from upwash.optimum.proof import Proof
 from upwash.optimum.record import V_LABELS, labels

@@ -14,10 +14,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.kernel import kernel
+from upwash.optimum.compiled.descent import SCALE, SOLVED, solve_many
+from upwash.optimum.compiled.problem import CORE2
 from upwash.optimum.edges import distinct_edges
-from upwash.optimum.local import SCALE, SOLVED, solve_local
-from upwash.optimum.problem import ASTERN, CORE2, OUTBOARD, PairProblem
+from upwash.optimum.problem import ASTERN, OUTBOARD, PairProblem
 
 SAME_BASIN = 1e-4
 """Largest distance of two ends of local solves, in units of `SCALE`, that are taken for one optimum."""
@@ -55,43 +55,6 @@ class Basin:
     multipliers: NDArray[np.float64]
     pins: NDArray[np.float64]
     hits: int
-
-
-@kernel
-def solve_many(
-    starts, lanes, group, representative, constants, bounds, points, costs, multipliers, pins, status
-):
-    """Solve from every start; all results are written into the arrays given.
-
-    Parameters
-    ----------
-    starts : (n, 6) ndarray of float
-        Starts.
-    lanes, group, representative, constants, bounds
-        See `upwash.optimum.local.solve_local`.
-    points, costs, multipliers, pins, status : ndarray
-        Overwritten: (n, 6), (n,), (n, 2), (n, e) and (n,), one row a start.
-
-    Returns
-    -------
-    int
-        Steps taken in all.
-    """
-    steps = 0
-    for k in range(starts.shape[0]):
-        status[k], costs[k], taken = solve_local(
-            starts[k],
-            lanes,
-            group,
-            representative,
-            constants,
-            bounds,
-            points[k],
-            multipliers[k],
-            pins[k],
-        )
-        steps += taken
-    return steps
 
 
 class Search:

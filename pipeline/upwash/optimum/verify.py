@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from upwash.aero.pose import Pose
 from upwash.optimum.certify import certify
+from upwash.optimum.compiled.descent import SCALE
+from upwash.optimum.compiled.problem import CORE2
 from upwash.optimum.edges import distinct_edges
 from upwash.optimum.endless.evidence import gather_endless_evidence
 from upwash.optimum.endless.problem import EndlessProblem
@@ -26,8 +28,7 @@ from upwash.optimum.endless.search import EndlessSearch
 from upwash.optimum.endless.solve import certify_endless, endless_evidence_columns
 from upwash.optimum.endless.solve import stays_in_v as endless_stays_in_v
 from upwash.optimum.evidence import evidence_columns, gather_evidence
-from upwash.optimum.local import SCALE
-from upwash.optimum.problem import CORE2, VARIABLES, PairProblem
+from upwash.optimum.problem import VARIABLES, PairProblem
 from upwash.optimum.search import SAME_BASIN, Search
 
 SAME_PIECE = 1e-9

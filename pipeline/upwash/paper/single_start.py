@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from upwash.optimum.problem import CORE2, PairProblem, evaluate
+from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.problem import PairProblem
 
 MOST_ITERATIONS = 400
 BALANCED = 1e-6

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.compiled.exact_span import Core, wind_of_runs
-from upwash.aero.induction import FAST
+from upwash.aero.compiled.rings import FAST
 from upwash.kernel import kernel
 
 LEAST_PHASE, MOST_PHASE = -0.25, 0.75

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from upwash.aero.induction import FAST
+from upwash.aero.compiled.rings import FAST
 from upwash.kernel import kernel
 
 # Rows of an array of runs; each column is a run, centred on the plane y = 0, the downstrokes' first.

@@ -10,21 +10,17 @@ from __future__ import annotations
 import numpy as np
 
 from upwash.kernel import kernel
-from upwash.optimum import enclosure
-from upwash.optimum.certify import (
+from upwash.optimum.compiled import enclosure
+from upwash.optimum.compiled.boxes import (
     CLEARED,
     LEAST_MULTIPLIERS,
     LEAST_SLOPE,
-    MARGIN,
     OPEN,
     SEARCH_WIDTH,
     TINY,
     WIDTHS,
-    _ascend,
-    _contract,
-    _couple,
-    relax,
 )
+from upwash.optimum.compiled.enclosure import ROUNDING
 from upwash.optimum.compiled.endless_enclosure import (
     BY_DOWN,
     BY_RATIO,
@@ -36,8 +32,8 @@ from upwash.optimum.compiled.endless_enclosure import (
     enclose_far_force,
     enclose_near_force,
 )
-from upwash.optimum.enclosure import ROUNDING
-from upwash.optimum.problem import LIFT_FIXED, LIFT_RATIO, THRUST_FIXED, THRUST_RATIO, cost_of
+from upwash.optimum.compiled.problem import LIFT_FIXED, LIFT_RATIO, THRUST_FIXED, THRUST_RATIO, cost_of
+from upwash.optimum.compiled.relaxation import MARGIN, ascend, contract, couple, relax
 
 _VALUE, _BY_X, _BY_Y, _BY_Z, _BY_RATIO, _RADIUS = (
     enclosure.VALUE,
@@ -123,7 +119,7 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, far, scra
     force, point, jacobian = scratch[8:10, 0:7], scratch[10, 0:5], np.empty((2, 5))
     bound = -np.inf
     while True:
-        if not _couple(low, high, limits):
+        if not couple(low, high, limits):
             return CLEARED, np.inf
         # Own lift and thrust alone cost this much: decisive where a follower rests on the least amplitude and span.
         amplitude = max(low[2] - high[3], limits[2] - MARGIN)
@@ -169,16 +165,16 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, far, scra
                 forms[0, end, c, _RADIUS] = force[c, RADIUS]
         product = relax(low, high, widths, forms, constants, 1.0, relaxation)
         if not (
-            _contract(low, high, relaxation, product, widths, 0.0, 1.0, 0.0, 0.0)
-            and _contract(low, high, relaxation, product, widths, 0.0, -1.0, 0.0, 0.0)
-            and _contract(low, high, relaxation, product, widths, 0.0, 0.0, 1.0, 0.0)
-            and _contract(low, high, relaxation, product, widths, 0.0, 0.0, -1.0, 0.0)
+            contract(low, high, relaxation, product, widths, 0.0, 1.0, 0.0, 0.0)
+            and contract(low, high, relaxation, product, widths, 0.0, -1.0, 0.0, 0.0)
+            and contract(low, high, relaxation, product, widths, 0.0, 0.0, 1.0, 0.0)
+            and contract(low, high, relaxation, product, widths, 0.0, 0.0, -1.0, 0.0)
         ):
             return CLEARED, np.inf
-        bound = max(bound, _ascend(relaxation, product, widths, nu, threshold, work))
+        bound = max(bound, ascend(relaxation, product, widths, nu, threshold, work))
         if bound > threshold:
             return CLEARED, bound
-        if not _contract(low, high, relaxation, product, widths, 1.0, nu[0], nu[1], threshold):
+        if not contract(low, high, relaxation, product, widths, 1.0, nu[0], nu[1], threshold):
             return CLEARED, bound
         after = 1.0
         for i in range(6):
@@ -196,7 +192,7 @@ def clear_endless_boxes(
     Parameters
     ----------
     lows, highs, multipliers, floors, height, limits, threshold, budget, centre
-        As for `upwash.optimum.certify.clear_boxes`.
+        As for `upwash.optimum.compiled.boxes.clear_boxes`.
     fars : (d, 3, 7) ndarray of float
         Of each box on the stack, an enclosure of the far runs' force, see `examine_endless`.
     wake : EndlessEnclosure

@@ -2,8 +2,8 @@
 
 The force on a whole span has no core edges but those of the spanwise filaments, each of which matters in few of the
 steps; optima are pinned to them all the same.  So the solve is that of a pair behind one wavelength
-(`upwash.optimum.local`): every core edge in reach is an inequality that keeps the step on its side, and where the step
-stops at an edge the slope beyond tells whether it is a valley or a ridge.
+(`upwash.optimum.compiled.descent`): every core edge in reach is an inequality that keeps the step on its side, and
+where the step stops at an edge the slope beyond tells whether it is a valley or a ridge.
 """
 
 from __future__ import annotations
@@ -14,8 +14,7 @@ import numpy as np
 
 from upwash.aero.compiled.endless import endless_force_jacobian
 from upwash.kernel import kernel
-from upwash.optimum.compiled.endless_edges import edge_distance, edge_force, edge_pull
-from upwash.optimum.local import (
+from upwash.optimum.compiled.descent import (
     BALANCED,
     CONVERGED_STEP,
     DIFFERENCE,
@@ -29,8 +28,9 @@ from upwash.optimum.local import (
     UNBALANCED,
     _convexify,
 )
-from upwash.optimum.problem import DRAG, LIFT_FIXED, LIFT_RATIO, THRUST_FIXED, THRUST_RATIO, cost_of
-from upwash.optimum.quadratic import MOST_INEQUALITIES, solve_quadratic
+from upwash.optimum.compiled.endless_edges import edge_distance, edge_force, edge_pull
+from upwash.optimum.compiled.problem import DRAG, LIFT_FIXED, LIFT_RATIO, THRUST_FIXED, THRUST_RATIO, cost_of
+from upwash.optimum.compiled.quadratic import MOST_INEQUALITIES, solve_quadratic
 
 MOST_STEPS = 200
 
@@ -223,7 +223,7 @@ def solve_endless(start, wake, constants, stations, bounds, point, multipliers):
     Returns
     -------
     status : int
-        `SOLVED`, `UNBALANCED` or `STALLED`, as of `upwash.optimum.local.solve_local`.
+        `SOLVED`, `UNBALANCED` or `STALLED`, as of `upwash.optimum.compiled.descent.solve_local`.
     cost : float
         Scaled cost.
     steps : int

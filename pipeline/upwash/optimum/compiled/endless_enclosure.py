@@ -48,7 +48,7 @@ from upwash.aero.compiled.exact_span import (
     ON_EDGE,
     STRENGTH,
 )
-from upwash.aero.induction import FAST
+from upwash.aero.compiled.rings import FAST
 from upwash.kernel import kernel
 
 

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from upwash.optimum.compiled.descent import SCALE
 from upwash.optimum.compiled.endless_descent import evaluate_on_sides, lagrangian_hessian_endless
 from upwash.optimum.compiled.endless_edges import edge_distance, edge_pull
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.evidence import ON_BOUND, ON_EDGE, PRESSED, Evidence
-from upwash.optimum.local import SCALE
 from upwash.optimum.problem import VARIABLES
 
 REACH = 1e-3

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from upwash.optimum.compiled.descent import SOLVED
 from upwash.optimum.compiled.endless_descent import solve_many_endless
 from upwash.optimum.endless.problem import EndlessProblem
-from upwash.optimum.local import SOLVED
 from upwash.optimum.problem import OUTBOARD
 from upwash.optimum.search import Basin, merge_basins
 

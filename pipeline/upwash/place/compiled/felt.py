@@ -12,7 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.compiled.endless import LEAST_PHASE, EndlessWake, endless_force_jacobian
-from upwash.aero.lanes import CENTRE_Y, FIRST_X, FIRST_Z, LAST_X, LAST_Z, SLIDING, STEADY, wake_force_jacobian
+from upwash.aero.compiled.lanes import (
+    CENTRE_Y,
+    FIRST_X,
+    FIRST_Z,
+    LAST_X,
+    LAST_Z,
+    SLIDING,
+    STEADY,
+    wake_force_jacobian,
+)
 from upwash.kernel import kernel
 
 # Columns of an array of followers' places, a row for each bird ahead: relative to it, in semispans, and the lag behind.

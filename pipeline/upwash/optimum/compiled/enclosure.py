@@ -27,8 +27,7 @@ from __future__ import annotations
 
 import math
 
-from upwash.aero.induction import END_FLOOR, FAST
-from upwash.aero.lanes import (
+from upwash.aero.compiled.lanes import (
     ALONG_X,
     ALONG_Z,
     CENTRE_Y,
@@ -41,6 +40,7 @@ from upwash.aero.lanes import (
     SLIDING,
     STEADY,
 )
+from upwash.aero.compiled.rings import END_FLOOR, FAST
 from upwash.kernel import kernel
 
 ROUNDING = 64.0 * 2.0**-52
@@ -142,7 +142,7 @@ def enclose_ring(
     wx, wy, wz : float
         Half-widths of the box.
     first_x, last_x, first_z, last_z, half_width, ax, az, core2 : float
-        The ring, as for `upwash.aero.induction.ring_velocity_gradient`.
+        The ring, as for `upwash.aero.compiled.rings.ring_velocity_gradient`.
 
     Returns
     -------

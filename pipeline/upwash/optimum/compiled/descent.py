@@ -16,9 +16,9 @@ import math
 import numpy as np
 
 from upwash.kernel import kernel
-from upwash.optimum.edges import edge_distance, edge_pull
-from upwash.optimum.problem import CORE2, DRAG, evaluate
-from upwash.optimum.quadratic import MOST_INEQUALITIES, solve_quadratic
+from upwash.optimum.compiled.edges import edge_distance, edge_pull
+from upwash.optimum.compiled.problem import CORE2, DRAG, evaluate
+from upwash.optimum.compiled.quadratic import MOST_INEQUALITIES, solve_quadratic
 
 SCALE = np.array([0.3, 0.3, 0.3, 0.3, 0.1, 0.25])
 """Lengths over which the six variables matter alike, in scaled variables; the trust region is a box of this shape."""
@@ -69,7 +69,7 @@ def lagrangian_hessian(
     point : (6,) ndarray of float
         x, y, z, h, R, t.
     lanes, edges, constants : ndarray of float
-        See `upwash.optimum.problem.evaluate`.
+        See `upwash.optimum.compiled.problem.evaluate`.
     multipliers : (2,) ndarray of float
         Multipliers of the two balances.
     representative : (e, 2) ndarray of int
@@ -511,3 +511,40 @@ def _correct(
         for a in range(n):
             correction[i] += rows[a, i] * right[a]
         trial[i] = min(max(trial[i] + SCALE[i] * correction[i], bounds[i, 0]), bounds[i, 1])
+
+
+@kernel
+def solve_many(
+    starts, lanes, group, representative, constants, bounds, points, costs, multipliers, pins, status
+):
+    """Solve from every start; all results are written into the arrays given.
+
+    Parameters
+    ----------
+    starts : (n, 6) ndarray of float
+        Starts.
+    lanes, group, representative, constants, bounds
+        See `upwash.optimum.compiled.descent.solve_local`.
+    points, costs, multipliers, pins, status : ndarray
+        Overwritten: (n, 6), (n,), (n, 2), (n, e) and (n,), one row a start.
+
+    Returns
+    -------
+    int
+        Steps taken in all.
+    """
+    steps = 0
+    for k in range(starts.shape[0]):
+        status[k], costs[k], taken = solve_local(
+            starts[k],
+            lanes,
+            group,
+            representative,
+            constants,
+            bounds,
+            points[k],
+            multipliers[k],
+            pins[k],
+        )
+        steps += taken
+    return steps
