@@ -139,11 +139,15 @@ def mixed(job):
 
 
 def lasting(job):
-    """Go on until as many jobs have begun in all as a file says, or for long enough that they would have."""
+    """Go on once as many jobs are at work as a file says, or could be; the first is on trial, and alone."""
     log(f"begun:{job.job_id}")
-    wanted = int(Path(os.environ["UPWASH_TEST_MENDED"]).read_text())
+    before, workers = map(int, Path(os.environ["UPWASH_TEST_MENDED"]).read_text().split())
+
+    def begun():
+        return Path(os.environ[LOG]).read_text().count("begun:") - before
+
     deadline = time.monotonic() + 30.0
-    while Path(os.environ[LOG]).read_text().count("begun:") < wanted and time.monotonic() < deadline:
+    while 1 < begun() < 1 + workers and time.monotonic() < deadline:
         time.sleep(0.01)
     time.sleep(0.02)
     log(f"ended:{job.job_id}")

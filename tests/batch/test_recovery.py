@@ -235,7 +235,7 @@ class TestOptions:
         bench.sweep("lasting", 12)
         before = bench.log.read_text().split() if bench.log.exists() else []
         begun = sum(word.startswith("begun:") for word in before)
-        bench.marker.write_text(str(begun + workers))
+        bench.marker.write_text(f"{begun} {workers}")
         bench.run("--workers", str(workers))
         at_work = most = 0
         for word in bench.log.read_text().split()[len(before) :]:
