@@ -129,7 +129,8 @@ class Behind:
         problem = kind(bird, objective, ahead, model=model)  # type: ignore[arg-type]
         self.bird, self.objective, self.ahead, self.model = bird, objective, problem.ahead, model
         self.leader_cost = problem.leader_cost
-        self.felt = felt_of(problem)
+        power = problem if objective == "power" else kind(bird, "power", ahead, model=model)  # type: ignore[arg-type]
+        self.felt = felt_of(problem, power)
         self.bounds = _stroke_bounds(problem, bounds)
         self._rooms: dict[int, Room] = {}
 
@@ -161,10 +162,9 @@ class Behind:
         return self._rooms[birds_ahead]
 
 
-def felt_of(problem: PairProblem) -> Felt:
-    """Return what a follower feels, from the problem that searches its place as well."""
-    constants = [float(value) for value in problem.constants]
-    own = OwnFlight(*constants[:9])
+def felt_of(problem: PairProblem, power: PairProblem) -> Felt:
+    """Return what a follower feels, from the problem that searches its place as well, and that of least power."""
+    own, own_power = (OwnFlight(*one.constants[:9].tolist()) for one in (problem, power))
     if isinstance(problem, EndlessProblem):
         wake, lanes, states = problem.wake_felt, np.empty((14, 0)), np.empty((2, 0), np.int64)
     else:
@@ -174,6 +174,7 @@ def felt_of(problem: PairProblem) -> Felt:
         problem.model.is_endless,
         problem.wavelength,
         own,
+        own_power,
         lanes,
         states,
         problem.model.stroke_states,

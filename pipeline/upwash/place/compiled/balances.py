@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from upwash.kernel import kernel
-from upwash.place.compiled.felt import BY_AMPLITUDE, BY_RATIO, cost_of_stroke, look
+from upwash.place.compiled.felt import BY_AMPLITUDE, BY_RATIO, cost_of_stroke, look, make_room, settle
 
 MOST_BALANCES = 8
 """So many strokes that balance are kept; three are the most that were met."""
@@ -46,10 +46,14 @@ ON_BOUND = 1e-8
 # Columns of an array of steps' ends.
 H, R, KIND, VALUE, SLOPE, R_SLOPE, STEP_COLUMNS = range(7)
 
-# Columns of an array of balances.
+# Columns of an array of balances, and of what is found at many places.
 AMPLITUDE, RATIO, COST = range(3)
+SAVING, FOUND, MISSING, MISSING_SHARE, RESULTS = range(3, 8)
 
 MOST_HALVINGS = 40
+
+FOLLOWED = 0.2
+"""How far a stroke is followed from one place to another, in semispans."""
 
 # What is missing where nothing balances.
 BALANCES, LACKS_LIFT, EXCESS_LIFT, LACKS_THRUST, EXCESS_THRUST = range(5)
@@ -339,3 +343,72 @@ def find_balances(bounds, felt, room, found, missing):
     if count == 0:
         _say_what_is_missing(ends, bounds, felt, room, missing)
     return count
+
+
+@kernel
+def _follow(bounds, felt, room, stroke):
+    """Move a stroke that balances nearby to one that balances at the place in the room; return whether it did."""
+    h, ratio = stroke[AMPLITUDE], stroke[RATIO]
+    for _ in range(8):
+        if not (0.0 < h and abs(h - stroke[AMPLITUDE]) < FOLLOWED):
+            return False
+        look(h, ratio, felt, room)
+        lift, thrust, slopes = room.balance[0], room.balance[1], room.slopes
+        if abs(lift) < BALANCED and abs(thrust) < BALANCED * felt.own.drag:
+            stroke[AMPLITUDE], stroke[RATIO] = h, ratio
+            within = bounds.least_amplitude <= h <= bounds.most_amplitude
+            return within and bounds.least_ratio <= ratio <= bounds.most_ratio
+        size = slopes[0, BY_AMPLITUDE] * slopes[1, BY_RATIO] - slopes[0, BY_RATIO] * slopes[1, BY_AMPLITUDE]
+        if size == 0.0:
+            return False
+        h += (slopes[0, BY_RATIO] * thrust - slopes[1, BY_RATIO] * lift) / size
+        ratio += (slopes[1, BY_AMPLITUDE] * lift - slopes[0, BY_AMPLITUDE] * thrust) / size
+    return False
+
+
+@kernel
+def cheapest_at(places, first, rows, shifts, bounds, felt, results):
+    """Find the cheapest stroke at many places; releases the interpreter's lock, so threads may share the work.
+
+    Parameters
+    ----------
+    places : (p, 4) ndarray of float
+        Places of birds relative to those ahead of them, in semispans, with the lag.
+    first : (n + 1,) ndarray of int
+        Bird i has the places from ``first[i]`` to ``first[i + 1]``.
+    rows : (m,) ndarray of int
+        Which bird is looked at.
+    shifts : (m, 4) ndarray of float
+        Where: what is added to its places.
+    bounds : StrokeBounds
+        Within which.
+    felt : Felt
+        The wakes.
+    results : (m, 7) ndarray of float
+        Overwritten: amplitude, ratio, cost, saving of power, how many strokes balance, and what is missing as from
+        `find_balances`.  Where an amplitude is stated, that stroke is followed if it can be, and one is counted.
+    """
+    found, missing, stroke = np.empty((MOST_BALANCES, 3)), np.empty(2), np.empty(2)
+    room, moved = make_room(felt, 1), np.empty((1, 4))
+    for k in range(rows.size):
+        begin, birds = first[rows[k]], first[rows[k] + 1] - first[rows[k]]
+        if birds != moved.shape[0]:
+            room, moved = make_room(felt, birds), np.empty((birds, 4))
+        for bird in range(birds):
+            for i in range(4):
+                moved[bird, i] = places[begin + bird, i] + shifts[k, i]
+        settle(moved, felt, room)
+        result = results[k]
+        stroke[0], stroke[1] = result[AMPLITUDE], result[RATIO]
+        result[FOUND], result[MISSING], result[MISSING_SHARE] = 1.0, BALANCES, 0.0
+        if not _follow(bounds, felt, room, stroke):
+            result[FOUND] = find_balances(bounds, felt, room, found, missing)
+            result[MISSING], result[MISSING_SHARE] = missing[0], missing[1]
+            stroke[0], stroke[1] = found[0, AMPLITUDE], found[0, RATIO]
+        if result[FOUND] > 0.0:
+            result[AMPLITUDE], result[RATIO] = stroke[0], stroke[1]
+            result[COST] = cost_of_stroke(stroke[0], stroke[1], felt.own)[0]
+            result[SAVING] = 1.0 - cost_of_stroke(stroke[0], stroke[1], felt.power)[0]
+        else:
+            result[AMPLITUDE] = result[RATIO] = np.nan
+            result[COST], result[SAVING] = np.inf, -np.inf

@@ -68,6 +68,8 @@ class Felt(NamedTuple):
         In semispans.
     own : OwnFlight
         The follower's own force and its cost.
+    power : OwnFlight
+        The same with its power as the cost.
     lanes : (14, l) ndarray of float
         As from `upwash.aero.lanes.wake_lanes`, each with its whole strength: weight β₀ = 1, β₁ = 0.
     states : (2, l) ndarray of int
@@ -83,6 +85,7 @@ class Felt(NamedTuple):
     is_endless: bool
     wavelength: float
     own: OwnFlight
+    power: OwnFlight
     lanes: NDArray[np.float64]
     states: NDArray[np.int64]
     stroke_states: int
