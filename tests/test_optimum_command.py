@@ -8,8 +8,9 @@ from upwash import columns as of
 from upwash.cli import main
 from upwash.errors import UpwashError
 from upwash.jobs.pair import Pair
+from upwash.study.limit_ranges import SAMPLES
 from upwash.sweep import read_sweep
-from upwash.sweep.single import single_job
+from upwash.sweep.single import jobs_within_ranges, single_job
 
 IBIS = "northern-bald-ibis"
 
@@ -161,3 +162,54 @@ class TestRefuses:
         assert (result.exit_code, result.stdout) == (2, "")
         assert len(result.stderr.splitlines()) == 1
         assert words in result.stderr
+
+
+class TestLimit:
+    """Behind an endless wake a saving is told for both span laws, with the interval of the species' own ranges."""
+
+    @pytest.fixture(scope="class")
+    @classmethod
+    def record(cls):
+        result = optimum(IBIS, "--model", "limit", "--objective", "power", "--json")
+        assert result.exit_code == 0
+        return json.loads(result.stdout, parse_constant=pytest.fail)
+
+    def test_the_bird_itself_is_as_it_was_solved(self, record):
+        best = record["optima"][0]
+        own = {one["span_law"]: one["saving_total"] for one in record["ranges"]}
+        assert own["stroke"] == pytest.approx(best["saving_total"], abs=1e-6)
+        assert own["tip"] > own["stroke"] + 1e-3
+
+    def test_the_interval_is_of_other_birds(self, record):
+        for one in record["ranges"]:
+            assert one["samples"] == SAMPLES
+            assert 0.0 < one["saving_total_low"] < one["saving_total_high"] < 0.2
+
+    def test_least_force_has_no_v_and_says_so_with_what_the_best_of_all_saves(self):
+        printed = optimum(IBIS, "--model", "limit").stdout
+        assert "There is no V optimum, outboard, level and astern" in printed
+        assert "How sure that is: saving at the global optimum" in printed
+        assert "\nstroke " in printed and "\ntip " in printed and "force saved" in printed
+
+    def test_the_papers_model_has_no_such_table(self):
+        result = optimum(IBIS, "--tolerance", "1e-2", "--json")
+        assert "ranges" not in json.loads(result.stdout)
+
+    def test_what_is_set_is_not_sampled(self):
+        asked = {
+            "species": IBIS,
+            "amplitude": "stroke-angle",
+            "objective": "power",
+            "seed": 0,
+            "tolerance": 1e-4,
+        }
+        jobs = jobs_within_ranges(
+            4, 1, kind=Pair, settings=["speed_m_s=14", "amplitude_m=1.0"], model="limit", **asked
+        )
+        assert list(jobs) == ["stroke", "tip"]
+        for law, of_law in jobs.items():
+            assert len(of_law) == 5
+            assert {one.model.span_law for one in of_law} == {law}
+            assert {(one.bird.speed_m_s, one.bird.amplitude_m) for one in of_law} == {(14.0, 1.0)}
+            assert len({one.bird.mass_kg for one in of_law}) == 5
+        assert [one.bird for one in jobs["stroke"]] == [one.bird for one in jobs["tip"]]

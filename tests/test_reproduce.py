@@ -87,13 +87,15 @@ class TestFreshRun:
         folder, finished = fresh
         assert sorted(path.name for path in (folder / "results").iterdir()) == [
             "group-speed",
+            "limit",
             "paper-flocks",
             "reproduce",
         ]
-        for name, jobs in (("reproduce", 2), ("paper-flocks", 4), ("group-speed", 11)):
+        for name, jobs in (("reproduce", 2), ("paper-flocks", 4), ("group-speed", 11), ("limit", 4)):
             assert f"results/{name}: {jobs} jobs solved and checked" in finished.stderr
-        verdicts = pd.read_parquet(folder / "results" / "reproduce" / "claims.parquet")["verdict"]
-        assert list(verdicts) == list(kept()["verdict"])
+        verdicts = pd.read_parquet(folder / "results" / "reproduce" / "claims.parquet")
+        for column in ("verdict", "limit_verdict"):
+            assert list(verdicts[column]) == list(kept()[column])
         assert f"claims.parquet: {counts(kept())}\n" in finished.stderr
 
     def test_it_ends_with_a_page_that_shows_every_figure_of_the_paper(self, fresh):

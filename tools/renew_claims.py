@@ -13,7 +13,7 @@ from upwash.columns import FLOAT
 from upwash.jobs.run import run_job
 from upwash.jobs.schema import table_of
 from upwash.paper import CLAIM_COLUMNS, gather_evidence, judge_claims
-from upwash.paper.evidence import FLOCKS, SPEEDS
+from upwash.paper.evidence import FLOCKS, LIMIT, SPEEDS
 from upwash.paper.ledger import NOISE
 from upwash.report.claims import counts, ledger_markdown
 from upwash.sweep import read_sweep
@@ -22,9 +22,9 @@ ROOT = Path(__file__).parents[1]
 LEDGER = ROOT / "results" / "reference" / "claims.csv"
 PAGE = ROOT / "docs" / "claims.md"
 README = ROOT / "README.md"
-COUNTS = re.compile(r"\d+ claims:[^;]*")
+COUNTS = re.compile(r"\d+ claims:[^;]*; in the limit:[^;]*")
 
-SWEEPS = ("reproduce", FLOCKS, SPEEDS)
+SWEEPS = ("reproduce", FLOCKS, SPEEDS, LIMIT)
 NUMBERS = [column.name for column in CLAIM_COLUMNS if column.type == FLOAT]
 
 HEAD = """\
@@ -39,9 +39,15 @@ claimed are bold. Where the paper gives a figure, the accepted values are that f
 printed digit for what follows from the inputs alone. Where it gives a word, the accepted values are our
 reading of it, so that everyone can disagree with it.
 
+The last column says what becomes of a claim where the paper's equations are converged, in [the limit](limit.md): judged
+by the same accepted values, for both laws of the follower's span (**stroke** and **tip law**). What a claim is about
+may not exist there, and then it **has no meaning**: behind an endless wake no distance is better than another, and a
+wing that moves all the time is in no state. Least force has no V optimum there, so that a claim on its place **fails**;
+`-` stands for the value that is missing. What needs flocks or airspeeds is **not judged** there.
+
 `upwash claims results/reproduce` judges them anew from stored results, prints the ledger and keeps it as
-`claims.parquet` beside them. Claims on flocks and on airspeed need the sweeps `paper-flocks` and
-`group-speed` to have been run and aggregated as well. This page and `results/reference/claims.csv` come
+`claims.parquet` beside them. Claims on flocks, on airspeed and in the limit need the sweeps `paper-flocks`,
+`group-speed` and `limit` to have been run and aggregated as well. This page and `results/reference/claims.csv` come
 from `make reference`; a test fails when a verdict is no longer the one shown here.
 """
 

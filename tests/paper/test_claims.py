@@ -30,11 +30,24 @@ from upwash.paper import (
     gather_evidence,
     judge,
     judge_claims,
+    of_limit,
     of_print,
     of_search,
 )
-from upwash.paper.claim import VERDICTS, at_least, at_most, between, near
-from upwash.paper.evidence import FLOCKS, OBJECTIVES, PAPER_BIRD, READINGS, SPEEDS
+from upwash.paper.claim import (
+    LIMIT_VERDICTS,
+    MEANINGLESS,
+    NOT_JUDGED,
+    PAPER_ALONE,
+    VERDICTS,
+    at_least,
+    at_most,
+    between,
+    near,
+)
+from upwash.paper.evidence import FLOCKS, LIMIT, OBJECTIVES, PAPER_BIRD, READINGS, SPEEDS
+from upwash.paper.ledger import in_limit
+from upwash.paper.of_limit import MEASURES as OWN_IN_LIMIT
 from upwash.report.claims import ledger_markdown, ledger_text
 
 BY_NAME = {claim.name: claim for claim in CLAIMS}
@@ -77,7 +90,7 @@ class TestKeptLedger:
         changed = {
             name: f"{before.loc[name, column]} -> {ledger.loc[name, column]}"
             for name in ledger.index
-            for column in ("verdict", "exceptions")
+            for column in ("verdict", "exceptions", "limit_verdict", "limit_exceptions")
             if ledger.loc[name, column] != before.loc[name, column]
         }
         assert changed == {}, "announce it: make reference, and say in CHANGELOG.md what moved"
@@ -453,6 +466,84 @@ class TestMutations:
         monkeypatch.setattr(of_search, "_ends", at_the_optimum)
         for name in OF_THE_SOLVER:
             assert outcome(name, evidence) == (HOLDS, ())
+
+
+class TestLimit:
+    """In the limit a claim is judged by the optima of the limit, and has a meaning only if what it is about exists."""
+
+    def limit_outcome(self, name, evidence):
+        judged = in_limit(BY_NAME[name], evidence)
+        return judged.verdict, judged.exceptions
+
+    @pytest.mark.parametrize(
+        "name", [claim.name for claim in CLAIMS if claim.name not in OWN_IN_LIMIT and claim.needs == "pair"]
+    )
+    def test_the_papers_own_optima_in_its_place_give_the_papers_verdict(self, evidence, name):
+        # Distance and states exist there, so that no claim is without a meaning.
+        same = replace(evidence, limit=dict.fromkeys(evidence.limit, evidence.pair))
+        expected = PAPER_ALONE if BY_NAME[name].about == "paper" else outcome(name, evidence)[0]
+        assert self.limit_outcome(name, same)[0] == expected
+
+    def test_what_has_no_meaning_is_what_is_about_distance_or_states(self, ledger):
+        lacking = set(ledger.index[ledger["limit_verdict"] == MEANINGLESS])
+        assert lacking == {claim.name for claim in CLAIMS if claim.about in ("distance", "states")}
+
+    def test_every_verdict_is_one_of_those_named(self, ledger):
+        assert set(ledger["limit_verdict"]) <= set(LIMIT_VERDICTS) - {NOT_RUN}
+        assert not ledger["limit_why"].str.contains("[{}\n]").any()
+
+    def test_flocks_and_airspeeds_are_not_judged(self, ledger):
+        unjudged = set(ledger.index[ledger["limit_verdict"] == NOT_JUDGED])
+        assert unjudged == {claim.name for claim in CLAIMS if claim.needs != "pair"}
+
+    def test_least_force_without_a_v_optimum_is_a_missing_value_and_said(self, ledger):
+        row = ledger.loc["saving-total"]
+        assert row["limit_cases"].startswith("force -; power, stroke law ")
+        assert "Least force has no V optimum" in row["limit_why"]
+
+    def test_savings_are_told_for_both_span_laws(self, ledger):
+        for name in ("saving-total", "saving-induced", "saving-profile"):
+            for law in ("stroke", "tip"):
+                assert f"power, {law} law" in ledger.loc[name, "limit_cases"]
+
+    @pytest.mark.parametrize("spoil", ["one span law is missing", "one objective is missing", "other cores"])
+    def test_without_all_of_it_nothing_is_judged(self, frames, spoil):
+        limit = frames[LIMIT]
+        if spoil == "one span law is missing":
+            limit = limit[limit["span_law"] == "tip"]
+        elif spoil == "one objective is missing":
+            limit = limit[(limit["span_law"] == "tip") | (limit["objective"] == "power")]
+        else:
+            limit = limit.assign(core_radius_ratio=0.2)
+        judged = in_limit(BY_NAME["saving-total"], gather_evidence([frames["reproduce"], limit]))
+        assert (judged.verdict, judged.cases) == (NOT_RUN, {})
+        assert LIMIT in judged.why
+
+    @pytest.mark.parametrize(
+        ("name", "change"),
+        [
+            ("downstroke-wake-dominates", {"phase": plus(0.5)}),
+            ("passive-upstroke", {"leader_upstroke_span_ratio": always(1e-8)}),
+            ("product-of-R-and-circulation", {"leader_upstroke_span_ratio": always(0.5)}),
+            ("robust-to-starts", {"y_m": times(1.2)}),
+            ("print-balance", {"leader_upstroke_span_ratio": always(0.3)}),
+        ],
+    )
+    def test_other_optima_change_the_verdict(self, evidence, name, change):
+        is_input = any(column.startswith(("leader_", "circulation")) for column in change)
+        label = None if is_input else "is_v_optimum"
+        changed = {
+            law: changed_pair(Evidence(rows), change, label=label).pair
+            for law, rows in evidence.limit.items()
+        }
+        before = self.limit_outcome(name, evidence)
+        assert self.limit_outcome(name, replace(evidence, limit=changed)) != before
+
+    def test_a_start_that_leads_to_the_v_optimum(self, evidence, monkeypatch):
+        costs = {"power": evidence.in_limit["tip"].v("power")["cost"], "force": 1.0}
+        before = self.limit_outcome("printed-start", evidence)
+        monkeypatch.setattr(of_limit, "_ends", lambda bird, objective, model: ([], costs[objective]))
+        assert self.limit_outcome("printed-start", evidence) != before
 
 
 class TestEvidence:

@@ -15,10 +15,10 @@ from upwash.cli.streams import at_work
 def claims(results: str, json_output: bool) -> None:
     """Judge each claim of the paper by our numbers.
 
-    RESULTS is the gathered results folder of the sweep reproduce. Claims on flocks and on airspeed need the
-    results of the sweeps paper-flocks and group-speed in folders of these names beside it; without them they
-    are not run. The ledger is printed and kept as claims.parquet in RESULTS. That a claim fails is a finding
-    and no error.
+    RESULTS is the gathered results folder of the sweep reproduce. Claims on flocks, on airspeed and in the
+    limit need the results of the sweeps paper-flocks, group-speed and limit in folders of these names beside
+    it; without them they are not run. The ledger is printed and kept as claims.parquet in RESULTS. That a
+    claim fails is a finding and no error.
 
     \b
     Example:

@@ -36,16 +36,16 @@ def _say(line: str) -> None:
     metavar="DIR",
     default=f"results/{SWEEP}",
     show_default=True,
-    help="Results folder of the pair; those of flocks and airspeeds are beside it.",
+    help="Results folder of the pair; those of flocks, airspeeds and the limit are beside it.",
 )
 @as_json
 def reproduce(results: str, json_output: bool) -> None:
     """Redo the paper, and print its table beside ours.
 
-    Solves the paper's pair for both of its objectives, its flocks, and the pair at other airspeeds; checks
-    the results and compares those of the pair with what is kept with the code. Then judges the paper's
-    claims, draws its figures, and writes a page that shows all of it. What is solved already is kept. Exit
-    code 3 if a check fails.
+    Solves the paper's pair for both of its objectives, its flocks, the pair at other airspeeds, and the pair
+    where the equations are converged; checks the results and compares those of the pair with what is kept
+    with the code. Then judges the paper's claims, draws its figures, and writes a page that shows all of it.
+    What is solved already is kept. Exit code 3 if a check fails.
 
     \b
     Example:

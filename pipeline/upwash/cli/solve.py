@@ -72,7 +72,8 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
     """Find the best positions of one bird behind another, and prove how good they are.
 
     SPECIES is a name in the library or the path of a TOML file. That no follower can fly is a result like any
-    other. JSON holds every optimum, by the columns of solutions.parquet.
+    other. Behind an endless wake what is saved is told for both laws of the follower's span, with the interval
+    that the species' own ranges give. JSON holds every optimum, by the columns of solutions.parquet.
 
     \b
     Example:
@@ -84,16 +85,24 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
     from upwash.jobs.run import solve
     from upwash.jobs.schema import table_of
     from upwash.report.answer import answer, job_record
-    from upwash.sweep.single import single_job
+    from upwash.study.limit_ranges import SAMPLES, SEED, limit_ranges
+    from upwash.sweep.single import jobs_within_ranges, single_job
 
-    job = single_job(Pair, parts={"distance_m": distance_m}, **chosen)
+    asked = chosen | {"parts": {"distance_m": distance_m}}
+    job = single_job(Pair, **asked)
     at_work("solving")
     table = table_of(solve(job), job.kind.rows)
+    rows, ranges = table.to_pandas(), []
+    if job.model.is_endless and rows["rank"].notna().any():
+        at_work("solving for birds within the species' ranges")
+        jobs = jobs_within_ranges(SAMPLES, SEED, kind=Pair, **asked)
+        birds = {law: [(one.bird, one.model) for one in of_law] for law, of_law in jobs.items()}
+        in_v = bool(rows["is_v_optimum"].eq(True).any())
+        ranges = limit_ranges(birds, job.objective, in_v, job.distance_m)
     if json_output:
-        click.echo(json.dumps(job_record(table.to_pylist()), indent=2, allow_nan=False))
+        click.echo(json.dumps(job_record(table.to_pylist(), ranges), indent=2, allow_nan=False))
         return
-    rows = table.to_pandas()
-    click.echo(answer(rows, show_all))
+    click.echo(answer(rows, show_all, ranges))
     click.echo(f"solved in {rows['solve_time_s'].iloc[0]:.2f} s", err=True)
 
 

@@ -2,6 +2,9 @@
 
 A claim may be measured in several cases: for both cost functions, or in both readings of the flock.  It holds if
 every case is as claimed, fails if none is, and otherwise holds with a condition, which the cases name.
+
+In the limit a claim is judged by the same measure, or by one of its own, on the optima of both span laws.  What it is
+about may not exist there: then it has no meaning, which is measured too.
 """
 
 from __future__ import annotations
@@ -14,6 +17,14 @@ from upwash.paper.evidence import Evidence
 
 HOLDS, HOLDS_WITH_CONDITION, FAILS, NOT_RUN = "holds", "holds with a condition", "fails", "not run"
 VERDICTS = (HOLDS, HOLDS_WITH_CONDITION, FAILS, NOT_RUN)
+
+MEANINGLESS, NOT_JUDGED, PAPER_ALONE = "has no meaning", "not judged", "about the paper's model alone"
+LIMIT_VERDICTS = (HOLDS, HOLDS_WITH_CONDITION, FAILS, MEANINGLESS, PAPER_ALONE, NOT_JUDGED, NOT_RUN)
+"""Verdicts in the limit: beside those above, that what a claim is about does not exist there, that it is about the
+paper's own text, numbers or solver, and that it needs results that nobody has in the limit."""
+
+PAPER = "paper"
+"""What a claim is about that concerns the paper alone."""
 
 Cases = Mapping[str, float]
 """Case -> our value in it."""
@@ -112,6 +123,13 @@ class Claim:
         Name of the field of the evidence that is measured.
     facts : callable, optional
         Evidence -> other numbers of ours that `why` names.
+    about : str
+        What it is about that another model of the wake may lack: a key of `upwash.paper.of_limit.ABOUT`, `PAPER`, or
+        nothing.
+    limit_measure : callable, optional
+        Evidence of the pair in the limit -> our value in each case; `measure` if not given.
+    limit_why : str
+        One line of why in the limit, as `why`; the cases are named after the span law too.
     """
 
     name: str
@@ -125,9 +143,14 @@ class Claim:
     why: str
     needs: str = "pair"
     facts: Measure | None = None
+    about: str = ""
+    limit_measure: Measure | None = None
+    limit_why: str = ""
 
 
-def read_claim(said: Mapping[str, str], measure: Measure, facts: Measure | None) -> Claim:
+def read_claim(
+    said: Mapping[str, str], measure: Measure, facts: Measure | None, limit_measure: Measure | None = None
+) -> Claim:
     """Return a claim as a line of ``claims.csv`` says it.
 
     An end of the accepted values that is not given is open. A tolerance in percent is a share of the printed value.
@@ -147,6 +170,9 @@ def read_claim(said: Mapping[str, str], measure: Measure, facts: Measure | None)
         why=said["why"],
         needs=said["evidence"],
         facts=facts,
+        about=said["about"],
+        limit_measure=limit_measure,
+        limit_why=said["limit_why"],
     )
 
 
@@ -167,12 +193,63 @@ def judge(claim: Claim, evidence: Evidence) -> Judgement:
     if missing:
         return Judgement(claim, {}, (), NOT_RUN, missing)
     cases = claim.measure(evidence)
-    exceptions = tuple(case for case, value in cases.items() if not claim.accepted.holds(value))
-    if not exceptions:
-        verdict = HOLDS
-    elif len(exceptions) < len(cases):
-        verdict = HOLDS_WITH_CONDITION
-    else:
-        verdict = FAILS
+    verdict, exceptions = _verdict(claim, cases)
     named = {**(claim.facts(evidence) if claim.facts else {}), **cases}
     return Judgement(claim, cases, exceptions, verdict, claim.why.format_map(named))
+
+
+def _verdict(claim: Claim, cases: Cases) -> tuple[str, tuple[str, ...]]:
+    """Return the verdict on some cases, and those that are not as claimed."""
+    exceptions = tuple(case for case, value in cases.items() if not claim.accepted.holds(value))
+    if not exceptions:
+        return HOLDS, exceptions
+    return (HOLDS_WITH_CONDITION if len(exceptions) < len(cases) else FAILS), exceptions
+
+
+Absence = Callable[[Evidence], str]
+"""Evidence -> why what a claim is about does not exist there; nothing if it does."""
+
+
+def judge_in_limit(claim: Claim, evidence: Evidence, absences: Mapping[str, Absence]) -> Judgement:
+    """Measure a claim in the limit, for both span laws, and say whether it holds there.
+
+    Parameters
+    ----------
+    claim : Claim
+        The claim.
+    evidence : Evidence
+        The paper's evidence, with that of the limit.
+    absences : mapping
+        What a claim may be about -> whether the limit lacks it.
+    """
+    if claim.about == PAPER:
+        return Judgement(claim, {}, (), PAPER_ALONE, "It is about the paper's own text, figures or solver.")
+    missing = evidence.missing("limit")
+    if missing:
+        return Judgement(claim, {}, (), NOT_RUN, missing)
+    if claim.needs != "pair":
+        return Judgement(claim, {}, (), NOT_JUDGED, f"No {claim.needs} were solved in the limit.")
+    limits = evidence.in_limit
+    if claim.about:
+        reasons = {absences[claim.about](limit) for limit in limits.values()}
+        if all(reasons):
+            return Judgement(claim, {}, (), MEANINGLESS, " ".join(sorted(reasons)))
+    measure = claim.limit_measure or claim.measure
+    measured = {law: measure(limit) for law, limit in limits.items()}
+    cases: dict[str, float] = {}
+    for case in next(iter(measured.values())):
+        values = {law: of_law[case] for law, of_law in measured.items()}
+        first, *others = values.values()
+        if all(other == first or (math.isnan(other) and math.isnan(first)) for other in others):
+            cases[case] = first
+        else:
+            cases |= {f"{case}, {law} law": value for law, value in values.items()}
+    verdict, exceptions = _verdict(claim, cases)
+    without = {objective for limit in limits.values() for objective in limit.without_v}
+    is_missing = any(math.isnan(value) for value in cases.values())
+    lacking = [f"Least {objective} has no V optimum there." for objective in sorted(without) if is_missing]
+    named = {
+        f"{case}, {law} law": value for law, of_law in measured.items() for case, value in of_law.items()
+    }
+    why = " ".join([*lacking, *([claim.limit_why.format_map(named | cases)] if claim.limit_why else [])])
+    return Judgement(claim, cases, exceptions, verdict, why)

@@ -1,4 +1,4 @@
-"""What claims are judged by: the optima of the paper's pair, its flocks, and the pair at other airspeeds."""
+"""What claims are judged by: the paper's pair, its flocks, and the pair at other airspeeds and in the limit."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.field_map import PLANES, force_map
-from upwash.aero.wake import NAMES
+from upwash.aero.wake import NAMES, WakeModel
 from upwash.errors import UpwashError
 from upwash.study.field import grid
 from upwash.study.quantities import with_quantities
-from upwash.study.rows import Row, bird_of, pose_of, state_forces_of
+from upwash.study.rows import Row, bird_of, model_of, pose_of, state_forces_of
 from upwash.study.sources import read_study
 
 PAPER_BIRD = Bird(
@@ -40,8 +40,11 @@ READINGS = ("immediate", "lone")
 BIRDS = 6
 """The paper's cost functions; the two readings of its bound on a flock's amplitudes; the birds of its flock."""
 
-FLOCKS, SPEEDS = "paper-flocks", "group-speed"
-"""Sweeps whose results, beside those of the pair, tell of flocks and of other airspeeds."""
+FLOCKS, SPEEDS, LIMIT = "paper-flocks", "group-speed", "limit"
+"""Sweeps whose results, beside those of the pair, tell of flocks, of other airspeeds, and of the pair in the limit."""
+
+LAWS = ("stroke", "tip")
+"""Span laws, between which nothing yet decides."""
 
 LEAST_SPEEDS = 5
 """Airspeeds from which the best one can be told."""
@@ -93,18 +96,21 @@ class Evidence:
         Objective and reading -> a flock of `BIRDS` in an echelon, one row a bird from the first.
     speeds : DataFrame or None
         All optima of the pair for least power at several airspeeds.
+    limit : dict
+        Span law -> all optima of the pair in the limit, for each of `OBJECTIVES`.
     """
 
     pair: pd.DataFrame
     flocks: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
     speeds: pd.DataFrame | None = None
+    limit: Mapping[str, pd.DataFrame] = field(default_factory=dict)
 
     def missing(self, name: str) -> str:
         """Say what has to be run before a field of this evidence can be used; empty if nothing."""
         frame = getattr(self, name)
         if frame is not None and len(frame):
             return ""
-        sweep = {"flocks": FLOCKS, "speeds": SPEEDS}[name]
+        sweep = {"flocks": FLOCKS, "speeds": SPEEDS, "limit": LIMIT}[name]
         return f"needs results/{sweep} beside these results: run and aggregate the sweep {sweep}"
 
     @cached_property
@@ -113,17 +119,43 @@ class Evidence:
         return bird_of(self.pair.iloc[0])
 
     @cached_property
+    def model(self) -> WakeModel:
+        """How the wakes of the pair are resolved."""
+        return model_of(self.pair.iloc[0])
+
+    @cached_property
+    def in_limit(self) -> dict[str, Evidence]:
+        """Span law -> the evidence of the pair in the limit, in the place of the paper's."""
+        return {law: Evidence(rows) for law, rows in self.limit.items()}
+
+    @cached_property
     def _labelled(self) -> dict[tuple[str, str], dict[str, Any]]:
-        """Objective and label -> the optimum's row."""
+        """Objective and label -> the optimum's row, or one without values where there is no such optimum."""
         rows = with_quantities(self.pair)
-        return {
-            (objective, label): dict(rows[(rows["objective"] == objective) & rows[label].eq(True)].iloc[0])
+        found = {
+            (objective, label): rows[(rows["objective"] == objective) & rows[label].eq(True)]
             for objective in OBJECTIVES
             for label in ("is_v_optimum", "is_global_optimum")
         }
+        nothing = dict.fromkeys(rows.columns, np.nan)
+        return {key: dict(optima.iloc[0]) if len(optima) else nothing for key, optima in found.items()}
+
+    def has_v(self, objective: str) -> bool:
+        """Whether there is a V optimum."""
+        return bool(pd.notna(self.v(objective)["cost"]))
+
+    @property
+    def without_v(self) -> list[str]:
+        """Objectives that have no V optimum."""
+        return [objective for objective in OBJECTIVES if not self.has_v(objective)]
+
+    @property
+    def mapped(self) -> str:
+        """Objective through whose V optimum the paper's maps go: least force, where it has one."""
+        return next(objective for objective in OBJECTIVES if self.has_v(objective))
 
     def v(self, objective: str) -> Row:
-        """Return the V optimum, with the columns of `upwash.study.quantities`."""
+        """Return the V optimum, with the columns of `upwash.study.quantities`; NaN in each if there is none."""
         return self._labelled[objective, "is_v_optimum"]
 
     def best(self, objective: str) -> Row:
@@ -165,24 +197,30 @@ class Evidence:
         Returns
         -------
         tuple of (m, n) ndarray of float
-            Lift and thrust, in N.
+            Lift and thrust, in N; NaN if there is no such V optimum.
         """
+        if not self.has_v(objective):
+            nothing = np.full((np.size(across), np.size(x_m)), np.nan)
+            return nothing, nothing
         bird, pose = self.bird, pose_of(self.v(objective))
         x, y, z = (place.get(axis, value) for axis, value in zip("xyz", pose.position_m, strict=True))
         pose = replace(pose, x_m=x, y_m=y, z_m=z)
-        plane_map = force_map(bird, bird.stroke, pose, plane, x_m, across)
+        plane_map = force_map(bird, bird.stroke, pose, plane, x_m, across, self.model)
         lift, thrust = bird.self_force_n(pose.stroke)
         return plane_map.lift_n - lift, plane_map.thrust_n - thrust
 
     @cached_property
     def maps(self) -> dict[str, ForceRatios]:
-        """Net force in the three planes through the V optimum of least force, as the paper maps it."""
-        bird, row = self.bird, self.v("force")
+        """Net force in the three planes through the V optimum of least force, as the paper maps it.
+
+        Where least force has no V optimum, through that of least power.
+        """
+        bird, row = self.bird, self.v(self.mapped)
         own_lift, own_thrust = row["lift_self_n"] / bird.weight_n, row["thrust_self_n"] / bird.drag_n
         maps = {}
         for plane in PLANES:
             streamwise, across = grid(bird, plane, MAP_SIZE)
-            lift, thrust = self.wake_over("force", plane, streamwise, across)
+            lift, thrust = self.wake_over(self.mapped, plane, streamwise, across)
             maps[plane] = ForceRatios(
                 own_lift + lift / bird.weight_n, own_thrust + thrust / bird.drag_n, own_lift, own_thrust
             )
@@ -190,13 +228,13 @@ class Evidence:
 
 
 def beside(results: Path) -> list[Path]:
-    """Return where the results of flocks and of airspeeds are, or would be, for those of the pair."""
+    """Return where the results of flocks, airspeeds and the limit are, or would be, for those of the pair."""
     parent = results.parent if results.name not in ("", "..") else results.resolve().parent
-    return [parent / name for name in (FLOCKS, SPEEDS)]
+    return [parent / name for name in (FLOCKS, SPEEDS, LIMIT)]
 
 
 def read_evidence(results: str | Path) -> Evidence:
-    """Read the evidence from a results folder and, where they are, those of flocks and airspeeds beside it.
+    """Read the evidence from a results folder and, where they are, those beside it that it needs.
 
     Raises
     ------
@@ -239,12 +277,18 @@ def gather_evidence(frames: Iterable[pd.DataFrame]) -> Evidence:
                 f"expected the V optimum of the paper's pair for least {objective}, found none; "
                 "run and aggregate the sweep reproduce"
             )
-    return Evidence(pair, _flocks([frame for frame in frames if "bird" in frame]), _speeds(pairs))
+    flocks = _flocks([frame for frame in frames if "bird" in frame])
+    return Evidence(pair, flocks, _speeds(pairs), _limit(pairs))
 
 
 def _of_paper(rows: pd.DataFrame, free: tuple[str, ...] = ()) -> pd.DataFrame:
     """Return the rows whose inputs are the paper's, but for those that are free."""
-    same = rows["model"] == NAMES[0]
+    return _of_bird(rows[rows["model"] == NAMES[0]], free)
+
+
+def _of_bird(rows: pd.DataFrame, free: tuple[str, ...] = ()) -> pd.DataFrame:
+    """Return the rows whose bird is the paper's, but for what is free."""
+    same = pd.Series(True, index=rows.index)
     for name, value in _INPUTS.items():
         if name not in free:
             same &= np.isclose(rows[name].astype(float), value, rtol=1e-9, atol=0.0)
@@ -281,3 +325,23 @@ def _speeds(pairs: pd.DataFrame) -> pd.DataFrame | None:
     with_v = rows[rows["is_v_optimum"].eq(True)]
     rows = _first_job_of_each(rows[rows["job_id"].isin(with_v["job_id"])], "speed_m_s")
     return rows if rows["speed_m_s"].nunique() >= LEAST_SPEEDS else None
+
+
+def _limit(pairs: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Return the optima of the paper's pair in the limit by span law, if all are there."""
+    rows = _of_bird(pairs)
+    rows = (
+        rows[(rows["status"] == of.SOLVED) & np.isinf(rows["wavelengths"].astype(float))]
+        if len(rows)
+        else rows
+    )
+    limit = WakeModel.named("limit").resolving(PAPER_BIRD.wavelength_m / PAPER_BIRD.semispan_m)
+    wanted = {law: replace(limit, span_law=law) for law in LAWS}
+    models = [model_of(row) for _, row in rows.iterrows()]
+    found = {}
+    for law, model in wanted.items():
+        of_law = rows[[one == model for one in models]] if len(rows) else rows
+        of_law = _first_job_of_each(of_law, "objective") if len(of_law) else of_law
+        if set(OBJECTIVES) <= set(of_law["objective"] if len(of_law) else ()):
+            found[law] = of_law
+    return found if len(found) == len(LAWS) else {}

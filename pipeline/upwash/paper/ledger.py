@@ -14,6 +14,7 @@ from upwash.jobs.schema import schema_of
 from upwash.paper import (
     of_flock,
     of_forces,
+    of_limit,
     of_lone_bird,
     of_optimum,
     of_power,
@@ -23,9 +24,13 @@ from upwash.paper import (
     of_table_1,
 )
 from upwash.paper.claim import (
+    LIMIT_VERDICTS,
     VERDICTS,
+    Cases,
+    Claim,
     Judgement,
     judge,
+    judge_in_limit,
     read_claim,
 )
 from upwash.paper.evidence import Evidence
@@ -35,7 +40,10 @@ OF = (of_table_1, of_lone_bird, of_optimum, of_search, of_forces, of_power, of_f
 MEASURES = {name: measure for module in OF for name, measure in module.MEASURES.items()}
 FACTS = {name: facts for module in OF for name, facts in getattr(module, "FACTS", {}).items()}
 
-CLAIMS = tuple(read_claim(said, MEASURES[name], FACTS.get(name)) for name, said in SAID.items())
+CLAIMS = tuple(
+    read_claim(said, MEASURES[name], FACTS.get(name), of_limit.MEASURES.get(name))
+    for name, said in SAID.items()
+)
 """The claims in the order of the ledger."""
 
 CLAIM_COLUMNS = (
@@ -59,6 +67,10 @@ CLAIM_COLUMNS = (
     Column("exceptions", "", "cases that are not as claimed, semicolon separated", TEXT),
     Column("verdict", "", ", ".join(VERDICTS), TEXT),
     Column("why", "", "one line of why", TEXT),
+    Column("limit_cases", "", "our value in each case in the limit, semicolon separated", TEXT),
+    Column("limit_exceptions", "", "those cases that are not as claimed, semicolon separated", TEXT),
+    Column("limit_verdict", "", "in the limit: " + ", ".join(LIMIT_VERDICTS), TEXT),
+    Column("limit_why", "", "one line of why in the limit, where that is not plain", TEXT),
 )
 """Columns of ``claims.parquet``."""
 
@@ -67,6 +79,9 @@ FILE = "claims.parquet"
 NUMBER = ".4g"
 NOISE = 1e-9
 """Numbers smaller than this are an imbalance of the search, and written as zero."""
+
+LIMIT_NOISE = 1e-6
+"""The same in the limit, where the V optimum lies on a plane of symmetry and is found beside it."""
 
 
 def judge_claims(evidence: Evidence) -> pd.DataFrame:
@@ -77,11 +92,16 @@ def judge_claims(evidence: Evidence) -> pd.DataFrame:
     DataFrame
         The columns of `CLAIM_COLUMNS`, one row a claim, in the order of the ledger.
     """
-    rows = [_row(judge(claim, evidence)) for claim in CLAIMS]
+    rows = [_row(judge(claim, evidence), in_limit(claim, evidence)) for claim in CLAIMS]
     return pd.DataFrame(rows, columns=[column.name for column in CLAIM_COLUMNS])
 
 
-def _row(judged: Judgement) -> dict[str, object]:
+def in_limit(claim: Claim, evidence: Evidence) -> Judgement:
+    """Judge a claim in the limit."""
+    return judge_in_limit(claim, evidence, of_limit.ABOUT)
+
+
+def _row(judged: Judgement, limit: Judgement) -> dict[str, object]:
     claim, accepted = judged.claim, judged.claim.accepted
     has_width = math.isfinite(accepted.low) and math.isfinite(accepted.high)
     return {
@@ -95,15 +115,23 @@ def _row(judged: Judgement) -> dict[str, object]:
         "tolerance": accepted.tolerance if has_width else None,
         "accepted_low": accepted.least if math.isfinite(accepted.low) else None,
         "accepted_high": accepted.most if math.isfinite(accepted.high) else None,
-        "cases": "; ".join(f"{case} {_number(value)}" for case, value in judged.cases.items()),
+        "cases": _written(judged.cases),
         "exceptions": "; ".join(judged.exceptions),
         "verdict": judged.verdict,
         "why": judged.why,
+        "limit_cases": _written(limit.cases, LIMIT_NOISE),
+        "limit_exceptions": "; ".join(limit.exceptions),
+        "limit_verdict": limit.verdict,
+        "limit_why": limit.why,
     }
 
 
-def _number(value: float) -> str:
-    return format(0.0 if abs(value) < NOISE else float(value), NUMBER) if math.isfinite(value) else "-"
+def _written(cases: Cases, noise: float = NOISE) -> str:
+    return "; ".join(f"{case} {_number(value, noise)}" for case, value in cases.items())
+
+
+def _number(value: float, noise: float) -> str:
+    return format(0.0 if abs(value) < noise else float(value), NUMBER) if math.isfinite(value) else "-"
 
 
 def write_claims(ledger: pd.DataFrame, folder: str | Path, sweep_text: str = "") -> Path:
@@ -129,6 +157,7 @@ def ledger_records(ledger: pd.DataFrame) -> list[dict[str, Any]]:
     return [dict(zip(ledger.columns, row, strict=True)) for row in values.itertuples(index=False, name=None)]
 
 
-def tally(ledger: pd.DataFrame) -> dict[str, int]:
-    """Return how many claims have each verdict."""
-    return {verdict: int((ledger["verdict"] == verdict).sum()) for verdict in VERDICTS}
+def tally(ledger: pd.DataFrame, column: str = "verdict") -> dict[str, int]:
+    """Return how many claims have each verdict, or with ``limit_verdict`` each verdict in the limit."""
+    verdicts = LIMIT_VERDICTS if column == "limit_verdict" else VERDICTS
+    return {verdict: int((ledger[column] == verdict).sum()) for verdict in verdicts}

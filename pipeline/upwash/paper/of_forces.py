@@ -105,14 +105,14 @@ def _nearest_fall(where: NDArray[np.float64], values: NDArray[np.float64], to: f
 def _lift_above_and_below(evidence: Evidence) -> Cases:
     """At x = λ/2, lift a quarter amplitude above the leader, and downward force as far below, in N."""
     away = QUARTER * evidence.bird.amplitude_m
-    lift, _ = evidence.wake_over("force", "xz", [0.5 * evidence.bird.wavelength_m], [away, -away])
+    lift, _ = evidence.wake_over(evidence.mapped, "xz", [0.5 * evidence.bird.wavelength_m], [away, -away])
     return {"up, above": float(lift[0, 0]), "down, below": -float(lift[1, 0])}
 
 
 def _forward_and_down(evidence: Evidence) -> Cases:
     """At y = 0, the lesser of the wake's forward and downward force, in N; both are so where it is positive."""
     stations = np.array(list(STATIONS.values())) * evidence.bird.wavelength_m
-    lift, thrust = evidence.wake_over("force", "xy", stations, [0.0])
+    lift, thrust = evidence.wake_over(evidence.mapped, "xy", stations, [0.0])
     return dict(zip(STATIONS, np.minimum(-lift[0], thrust[0]).tolist(), strict=True))
 
 

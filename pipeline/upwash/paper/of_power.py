@@ -27,7 +27,7 @@ def _flexion_added(evidence: Evidence) -> Cases:
 
 
 MEASURES: Measures = {
-    "leader-power": lambda evidence: {"leader": float(evidence.v("force")["leader_power_total_w"])},
+    "leader-power": lambda evidence: {"leader": float(evidence.v(evidence.mapped)["leader_power_total_w"])},
     "follower-power": lambda evidence: evidence.of_v("power_total_w"),
     "saving-total": lambda evidence: evidence.of_v("saving_total", 100.0),
     "saving-induced": lambda evidence: evidence.of_v("saving_induced", 100.0),

@@ -38,7 +38,7 @@ def _balance_of_table_1(evidence: Evidence) -> Cases:
     """Largest net force over what is needed that the rounding of Table 1 allows."""
     bird = evidence.bird
     poses = [Pose(x, y, z, Stroke(h, r), k) for x, y, z, h, r, k in _corners()]
-    forces = np.array([net_force(bird, bird.stroke, pose) for pose in poses])
+    forces = np.array([net_force(bird, bird.stroke, pose, evidence.model) for pose in poses])
     lift, thrust = np.max(forces / [bird.weight_n, bird.drag_n], axis=0)
     return {"lift": float(lift), "thrust": float(thrust)}
 
@@ -46,10 +46,11 @@ def _balance_of_table_1(evidence: Evidence) -> Cases:
 def _cost_of_table_1(evidence: Evidence) -> Cases:
     """Force of a stroke that rounds to Table 1, at most, over what is proved of any V, less 1, in percent."""
     bird, cost = evidence.bird, COST_FUNCTIONS["force"]
+    row = evidence.v("force") if evidence.has_v("force") else evidence.best("force")
     costs = [
         cost.value(bird, bird.lift_n(corner[4]), bird.thrust_n(corner[3], corner[4])) for corner in _corners()
     ]
-    return {"force": 100.0 * (max(costs) / float(evidence.v("force")["v_lower_bound"]) - 1.0)}
+    return {"force": 100.0 * (max(costs) / float(row["v_lower_bound"]) - 1.0)}
 
 
 def _force_of_table_1(evidence: Evidence) -> Cases:

@@ -36,7 +36,8 @@ def _bounds_met(evidence: Evidence) -> Cases:
     met = {}
     for objective in OBJECTIVES:
         names = str(evidence.v(objective)["active_bounds"] or "").split(",")
-        met[objective] = float(len([name for name in names if name and name != FOLD]))
+        count = float(len([name for name in names if name and name != FOLD]))
+        met[objective] = count if evidence.has_v(objective) else np.nan
     return met
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf
+from dataclasses import asdict
+from math import inf, isfinite
 from typing import Any
 
 import pandas as pd
@@ -11,14 +12,16 @@ import pandas as pd
 from upwash import columns as of
 from upwash.optimum.problem import ASTERN
 from upwash.optimum.proof import OPEN, PROVED, claims_of, wall_in_words
+from upwash.report.table import ABSENT, Table
 from upwash.report.tables import GLOBAL, V, basins, best_optima, both_optima
-from upwash.report.words import least
+from upwash.report.words import least, percent
+from upwash.study.limit_ranges import LimitRange
 
 OF_THE_JOB = of.names(of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.EFFORT, of.PROOF))
 OF_AN_OPTIMUM = of.names(of.belonging(of.JOB, of.OPTIMUM))
 
 
-def answer(rows: pd.DataFrame, show_all: bool = False) -> str:
+def answer(rows: pd.DataFrame, show_all: bool = False, ranges: Sequence[LimitRange] = ()) -> str:
     """Say where one bird should fly behind another.
 
     Parameters
@@ -27,6 +30,8 @@ def answer(rows: pd.DataFrame, show_all: bool = False) -> str:
         All rows of one job, best first.
     show_all : bool
         Whether to list every optimum.
+    ranges : sequence of LimitRange
+        Behind an endless wake, what is saved by each span law.
     """
     first = rows.iloc[0]
     if first["status"] != of.SOLVED:
@@ -34,6 +39,9 @@ def answer(rows: pd.DataFrame, show_all: bool = False) -> str:
     parts = [both_optima(rows).text()]
     if V not in best_optima(rows):
         parts.append(_no_v_optimum(first))
+    if ranges:
+        label = V if V in best_optima(rows) else GLOBAL
+        parts.append(ranges_table(ranges, label, first["objective"]).text())
     if show_all:
         parts.append(basins(rows).text())
     return "\n\n".join(parts)
@@ -60,19 +68,59 @@ def _no_v_optimum(row: Any) -> str:
     return f"There is no {V}, outboard, level and astern: {known}. The {GLOBAL} is the best of all."
 
 
-def job_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def ranges_table(ranges: Sequence[LimitRange], label: str, objective: str) -> Table:
+    """Put beside each other what is saved by each span law, with the intervals of the species' own ranges.
+
+    Parameters
+    ----------
+    ranges : sequence of LimitRange
+        One for each span law.
+    label : str
+        Of which optimum.
+    objective : str
+        The objective.
+    """
+    kinds = {"total": "total power"} | ({} if objective == "power" else {"cost": objective.replace("_", " ")})
+    frame = pd.DataFrame({"span law": [one.span_law for one in ranges]})
+    for name, words in kinds.items():
+        values = [[getattr(one, f"saving_{name}{end}") for one in ranges] for end in ("", "_low", "_high")]
+        frame[f"{words} saved"] = [percent(value, 1) if isfinite(value) else ABSENT for value in values[0]]
+        frame[f"5 % to 95 % of the birds ({words})"] = [
+            f"{percent(low, 1)} to {percent(high, 1)}" if isfinite(low) else ABSENT
+            for low, high in zip(values[1], values[2], strict=True)
+        ]
+    samples, without = ranges[0].samples, [f"{one.samples_without} ({one.span_law})" for one in ranges]
+    notes = [f"birds: {samples} sampled from the species' own ranges; found by descents, which prove nothing"]
+    if any(one.samples_without for one in ranges):
+        notes.append(f"without a {label}: {', '.join(without)}")
+    notes.append("nothing yet decides between the two laws of the follower's span")
+    return Table(f"How sure that is: saving at the {label}", frame, notes=tuple(notes))
+
+
+def job_record(rows: Sequence[dict[str, Any]], ranges: Sequence[LimitRange] = ()) -> dict[str, Any]:
     """Return all that is known of one job as one dictionary fit for JSON.
 
     Parameters
     ----------
     rows : sequence of dict
         All rows of the job, best first, by the columns of ``solutions.parquet``.
+    ranges : sequence of LimitRange
+        Behind an endless wake, what is saved by each span law.
 
     Returns
     -------
     dict
-        What is true of the job by column, and under ``optima`` the columns of each optimum.
+        What is true of the job by column, under ``optima`` the columns of each optimum, and under ``ranges``, if there
+        are any, the saving by each span law with its interval.
     """
     rows = [of.told(row) for row in rows]
     optima = [{name: row[name] for name in OF_AN_OPTIMUM} for row in rows if row["rank"] is not None]
-    return {**{name: rows[0][name] for name in OF_THE_JOB}, "optima": optima}
+    said = {**{name: rows[0][name] for name in OF_THE_JOB}, "optima": optima}
+    told = [
+        {
+            name: None if isinstance(value, float) and not isfinite(value) else value
+            for name, value in asdict(one).items()
+        }
+        for one in ranges
+    ]
+    return said | ({"ranges": told} if told else {})

@@ -6,7 +6,15 @@ from typing import Any
 
 import pandas as pd
 
-from upwash.paper.claim import FAILS, HOLDS, HOLDS_WITH_CONDITION, NOT_RUN
+from upwash.paper.claim import (
+    FAILS,
+    HOLDS,
+    HOLDS_WITH_CONDITION,
+    MEANINGLESS,
+    NOT_JUDGED,
+    NOT_RUN,
+    PAPER_ALONE,
+)
 from upwash.paper.ledger import NUMBER, tally
 from upwash.report.table import Table
 from upwash.report.words import true_minus
@@ -17,12 +25,22 @@ ROUNDED_TO_ZERO = 1e-6
 """Accepted values this near to zero on both sides are written as zero."""
 
 COUNTED = {HOLDS: "hold", HOLDS_WITH_CONDITION: "hold with a condition", FAILS: "fail", NOT_RUN: "not run"}
+COUNTED |= {
+    MEANINGLESS: "have no meaning",
+    PAPER_ALONE: "are about the paper's model alone",
+    NOT_JUDGED: "not judged",
+}
 
 
 def counts(ledger: pd.DataFrame) -> str:
-    """Say how many claims hold and how many do not."""
-    parts = [f"{number} {COUNTED[verdict]}" for verdict, number in tally(ledger).items() if number]
-    return f"{len(ledger)} claims: {', '.join(parts)}"
+    """Say how many claims hold and how many do not, in the paper's model and in the limit."""
+    ours, limit = (
+        ", ".join(
+            f"{number} {COUNTED[verdict]}" for verdict, number in tally(ledger, column).items() if number
+        )
+        for column in ("verdict", "limit_verdict")
+    )
+    return f"{len(ledger)} claims: {ours}; in the limit: {limit}"
 
 
 def ledger_text(ledger: pd.DataFrame) -> str:
@@ -35,12 +53,21 @@ def ledger_text(ledger: pd.DataFrame) -> str:
             "ours": ledger["ours"],
             "accepted": _accepted(ledger),
             "verdict": ledger["verdict"],
+            "in the limit": ledger["limit_verdict"],
         }
     )
     open_ones = ledger[ledger["verdict"] != HOLDS]
     why = [f"{row.claim_id}: {row.claim}: {_spelled(row)}. {row.why}" for row in open_ones.itertuples()]
+    others = ledger[(ledger["limit_verdict"] != ledger["verdict"]) & (ledger["limit_cases"] != "")]
+    why += [f"{row.claim_id}, in the limit: {_limit_in_words(row)}" for row in others.itertuples()]
     table = Table("The paper's claims, and our verdicts", shown, {"ours": NUMBER}, tuple(why)).text()
     return f"{table}\n\n{counts(ledger)}"
+
+
+def _limit_in_words(row: Any) -> str:
+    """Write a verdict in the limit, its cases and why."""
+    unit = f" {row.unit}" if row.unit else ""
+    return f"{row.limit_verdict}: {row.limit_cases}{unit}. {row.limit_why}".rstrip()
 
 
 def _spelled(row: Any) -> str:
@@ -61,6 +88,7 @@ def ledger_markdown(ledger: pd.DataFrame) -> str:
                 "accepted": _accepted(rows),
                 "verdict": [f"**{verdict}**" if verdict != HOLDS else verdict for verdict in rows["verdict"]],
                 "why": rows["why"],
+                "in the limit": list(map(_in_limit, rows.itertuples())),
             }
         )
         # A heading stands in the place of the table's own title.
@@ -83,8 +111,19 @@ def ledger_shown(ledger: pd.DataFrame) -> pd.DataFrame:
             "ours": values,
             "accepted": _accepted(ledger),
             "why": ledger["why"],
+            "in the limit": [_in_limit(row, "") for row in ledger.itertuples()],
         }
     )
+
+
+def _in_limit(row: Any, bold: str = "**") -> str:
+    """Write a verdict in the limit, our values there, and why."""
+    verdict = row.limit_verdict
+    verdict = f"{bold}{verdict}{bold}" if verdict in (HOLDS_WITH_CONDITION, FAILS) else verdict
+    values = ""
+    if row.limit_cases:
+        values = _marked(row.limit_cases, row.limit_exceptions) if bold else row.limit_cases
+    return ". ".join(part for part in (": ".join(filter(None, (verdict, values))), row.limit_why) if part)
 
 
 def _marked(cases: str, exceptions: str) -> str:

@@ -1,9 +1,13 @@
-"""The job of one bird, as a command line asks for it: the same job, with the same id, as in a sweep."""
+"""The job of one bird, as a command line asks for it: the same job, with the same id, as in a sweep.
+
+And, around it, those of the birds that the species' own ranges allow.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from upwash.aero.checked import Rule
@@ -12,7 +16,7 @@ from upwash.jobs.job import BUILT_IN_SOLVER, Job
 from upwash.jobs.kind import Kind
 from upwash.species import load_species
 from upwash.species.file import did_you_mean, printable
-from upwash.sweep.block import Block
+from upwash.sweep.block import STROKE_ANGLE, Block, Sample
 from upwash.sweep.choices import CHOICES, MODEL, OF_THE_BIRD, PARAMETERS
 from upwash.sweep.values import Setting
 
@@ -50,6 +54,57 @@ def single_job(
     UpwashError
         If the species, an input or a value is wrong, or they make no bird.
     """
+    ((job, _),) = _block(kind, species, settings, amplitude, model, parts, choices).jobs()
+    return job
+
+
+def jobs_within_ranges(count: int, points_seed: int, **asked: Any) -> dict[str, list[Job]]:
+    """Make the jobs of a bird whose inputs are sampled from its species' own ranges, by both span laws.
+
+    Parameters
+    ----------
+    count, points_seed : int
+        Number of samples, the same points for both laws, and their seed.
+    **asked
+        As for `single_job`; what is set there is not sampled.
+
+    Returns
+    -------
+    dict
+        Span law -> the job of the bird itself, then those of the samples; samples that make no bird are left out.
+    """
+    kind, amplitude = asked.pop("kind"), asked.pop("amplitude")
+    species, settings = asked.pop("species"), asked.pop("settings")
+    block = _block(
+        kind, species, settings, amplitude, asked.pop("model", None), asked.pop("parts", None), asked
+    )
+    is_given = "amplitude_m" in block.fixed
+    free = tuple(
+        name
+        for name in block.species[0].ranges(amplitude)
+        if name not in block.fixed and not (is_given and name == STROKE_ANGLE)
+    )
+    fixed = {name: setting for name, setting in block.fixed.items() if name != "span_law"}
+    jobs = {}
+    for law in ("stroke", "tip"):
+        of_law = replace(block, fixed=fixed | {"span_law": Setting(law)})
+        blocks = [of_law]
+        if free and count:
+            blocks.append(replace(of_law, sample=Sample("latin-hypercube", count, points_seed, None, free)))
+        jobs[law] = [job for one in blocks for job, _ in one.jobs()]
+    return jobs
+
+
+def _block(
+    kind: type[Kind],
+    species: str,
+    settings: Iterable[str],
+    amplitude: str,
+    model: str | None,
+    parts: Mapping[str, Any] | None,
+    choices: Mapping[str, Any],
+) -> Block:
+    """Return the block of one job; parameters and errors are those of `single_job`."""
     for name, value in choices.items():
         rule = CHOICES.get(name, kind.choices.get(name))
         if isinstance(rule, Rule) and (expected := rule.broken_by(value)):
@@ -69,7 +124,7 @@ def single_job(
     bird = load_species(species)
     # A stroke that no wing can make is a result in a sweep; here it is a mistake, which this finds.
     bird.bird(amplitude, **{name: one.value for name, one in fixed.items() if name in OF_THE_BIRD})
-    block = Block(
+    return Block(
         kind=kind,
         solver=BUILT_IN_SOLVER,
         species=[bird],
@@ -79,8 +134,6 @@ def single_job(
         sample=None,
         exclusions=[],
     )
-    ((job, _),) = block.jobs()
-    return job
 
 
 def _setting(text: str) -> tuple[str, Setting]:

@@ -1,0 +1,113 @@
+"""How uncertain a saving in the limit is: what each span law and the bird's own ranges do to it.
+
+Nothing yet decides between the two laws of the follower's span, and no bird is known to a percent, so that a saving
+there is an interval.  Its ends are found by descents and not proved: there is one basin of least power.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from upwash.aero.bird import Bird
+from upwash.aero.wake import WakeModel
+from upwash.optimum.endless.problem import EndlessProblem
+from upwash.optimum.endless.search import EndlessSearch
+from upwash.optimum.record import V_LABELS, record
+from upwash.study.intervals import HIGH, LOW
+
+SAMPLES, SEED = 32, 1
+"""As in the sweep ``uncertainty``."""
+
+STARTS = 6
+"""Descents in each sample."""
+
+
+@dataclass(frozen=True)
+class LimitRange:
+    """What is saved by one span law.
+
+    Attributes
+    ----------
+    span_law : str
+        The law.
+    saving_total, saving_cost : float
+        Of the bird itself, as shares of the lone bird's power and cost; NaN if it has no such optimum.
+    saving_total_low, saving_total_high, saving_cost_low, saving_cost_high : float
+        5 % and 95 % quantiles over the samples; NaN if none has such an optimum.
+    samples, samples_without : int
+        Samples, and those that have no such optimum.
+    """
+
+    span_law: str
+    saving_total: float
+    saving_total_low: float
+    saving_total_high: float
+    saving_cost: float
+    saving_cost_low: float
+    saving_cost_high: float
+    samples: int
+    samples_without: int
+
+
+def limit_ranges(
+    birds: Mapping[str, Sequence[tuple[Any, WakeModel]]],
+    objective: str,
+    in_v: bool,
+    distance_m: float | None = None,
+) -> list[LimitRange]:
+    """Return what is saved behind an endless wake, by each span law.
+
+    Parameters
+    ----------
+    birds : mapping
+        Span law -> the bird itself and its wake, then its samples and theirs; one that is no `Bird` cannot fly.
+    objective : str
+        Name of a cost function.
+    in_v : bool
+        Whether the optimum is the best in a V, or the best of all.
+    distance_m : float, optional
+        How far behind, which decides whether that is astern; half a wavelength if not given.
+    """
+    ranges = []
+    for law, of_law in birds.items():
+        own, *samples = (_savings(bird, model, objective, in_v, distance_m) for bird, model in of_law)
+        frame = pd.DataFrame(samples, columns=["total", "cost"]).dropna()
+        ends = {
+            f"saving_{name}_{end}": float(frame[name].quantile(share)) if len(frame) else np.nan
+            for name in frame
+            for end, share in (("low", LOW), ("high", HIGH))
+        }
+        ranges.append(
+            LimitRange(
+                law,
+                saving_total=own[0],
+                saving_cost=own[1],
+                samples=len(samples),
+                samples_without=len(samples) - len(frame),
+                **ends,
+            )
+        )
+    return ranges
+
+
+def _savings(
+    bird: Any, model: WakeModel, objective: str, in_v: bool, distance_m: float | None
+) -> tuple[float, float]:
+    """Return the savings of total power and of the cost at one bird's best place; NaN if there is none."""
+    if not isinstance(bird, Bird):
+        return np.nan, np.nan
+    problem = EndlessProblem(bird, objective, model=model, distance_m=distance_m)
+    search = EndlessSearch(problem, SEED)
+    bounds = problem.v_bounds() if in_v else problem.bounds
+    if np.any(bounds[:, 0] > bounds[:, 1]):
+        return np.nan, np.nan
+    for basin in search.descend(search.random_starts(bounds, STARTS)):
+        found = record(bird, objective, problem.ahead, problem.pose(basin.point), model)
+        if not in_v or (found.placement, found.tier, found.station) == V_LABELS:
+            return found.saving_total, 1.0 - found.cost / found.cost_leader
+    return np.nan, np.nan
