@@ -32,6 +32,8 @@ CALLS = {
     "species new": ["Common shelduck"],
     "optimum": [IBIS],
     "flock": [IBIS],
+    # The ibis's own amplitude is that of either convention.
+    "phase": ["mute-swan"],
     "field": [IBIS],
     "animate": [IBIS],
     "run": ["./sweep.toml"],
@@ -60,6 +62,7 @@ VALUES = {
 }
 # An option that needs another: how the command is called without its effect, and with it.
 TOGETHER = {
+    ("phase", "--model"): ([], ["--model", "paper"]),
     ("optimum", "--distance-m"): (["--model", "limit"], ["--model", "limit", "--distance-m", "1.2"]),
     ("run", "--backend"): ([], ["--backend", "dask", "--scheduler", "tcp://one:1"]),
     ("run", "--scheduler"): tuple(
@@ -166,6 +169,8 @@ def see(template, tmp_path, monkeypatch):
     stand_in("upwash.jobs.run.run_job", lambda job: Ended(job, rows(job)))
     stand_in("upwash.jobs.flock.flock_of", lambda job: job)
     stand_in("upwash.optimum.joint.improve_together", stop)
+    stand_in("upwash.study.limit_ranges.limit_ranges", lambda *given: [])
+    stand_in("upwash.study.phase_rule.phase_rules", lambda *given: studies.phase_frames())
     stand_in("upwash.report.figures.catalogue.save_all", lambda *given: [])
     stand_in("upwash.report.animation.write_animation", lambda birds, path: None)
     stand_in("upwash.batch.runner.run_sweep", lambda *given: Tally(jobs=1, kept=0))

@@ -6,6 +6,7 @@ the plain statement of the physics. Other birds are the ibis with lengths stretc
 
 from hashlib import sha256
 
+import numpy as np
 import pandas as pd
 import pyarrow as pa
 from upwash import columns as of
@@ -17,6 +18,7 @@ from upwash.batch.store import TableWriter, provenance
 from upwash.jobs.kinds import KINDS
 from upwash.jobs.schema import table_of
 from upwash.optimum.record import record
+from upwash.study.phase_rule import CURVE, IN_LINE, V, phase_rule, wrapped
 
 IBIS = {
     "mass_kg": 1.3,
@@ -201,3 +203,23 @@ def write_folder(path, rows, kind="pair", text='description = "A study"\n'):
         writer.write(pa.table(content))
         writer.close(provenance(text))
     return path
+
+
+def phase_frames():
+    """Return a phase rule and the phases that were tried, as `upwash.study.phase_rule.phase_rules` does."""
+    rows = []
+    for formation, best in ((V, 0.0), (IN_LINE, 0.5)):
+        for phase in np.arange(12) / 12:
+            saving = 0.04 * np.cos(2.0 * np.pi * (0.5 - phase - best)) - (
+                0.06 if formation == IN_LINE else 0.0
+            )
+            flies = saving > -0.09
+            numbers = {"amplitude_m": 0.9, "upstroke_span_ratio": 0.4, "saving_cost": saving}
+            rows.append(
+                {"span_law": "stroke", "formation": formation, "x_m": 1.875, "x_wavelengths": 0.5}
+                | {"y_m": 1.0 if formation == V else 0.0, "z_m": 0.0, "phase": phase}
+                | {"spatial_phase": wrapped(0.5 - phase), "missing": "" if flies else "thrust"}
+                | {name: value if flies else np.nan for name, value in numbers.items()}
+            )
+    curve = pd.DataFrame(rows, columns=[column.name for column in CURVE])
+    return phase_rule(curve), curve

@@ -23,6 +23,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "species": ("species", "List, show, check or start species files."),
         "optimum": ("solve", "Find the best positions of one bird behind another."),
         "flock": ("solve", "Chain pairs into a flock."),
+        "phase": ("phase", "Find the best phase against distance, in a V and in line."),
         "field": ("pictures", "Map the force on a follower over a plane."),
         "animate": ("pictures", "Animate a flock flapping in its wakes."),
     },

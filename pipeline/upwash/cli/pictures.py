@@ -22,7 +22,7 @@ OPTIMA = {"v": "is_v_optimum", "global": "is_global_optimum"}
 
 
 @click.command()
-@problem
+@problem()
 @click.option(
     "--plane",
     type=click.Choice(PLANES),
@@ -133,7 +133,7 @@ def _solved(kind: type[Kind], chosen: dict[str, Any]) -> pd.DataFrame:
 
 
 @click.command()
-@problem
+@problem()
 @click.option("--birds", type=click.IntRange(2, 24), default=4, show_default=True, help="Birds in the flock.")
 @click.option(
     "--shape",

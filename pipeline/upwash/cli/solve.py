@@ -16,14 +16,22 @@ from upwash.species import AMPLITUDE_CONVENTIONS
 as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
 
 
-def problem(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the argument and options that `upwash.sweep.single.single_job` makes a job of."""
+def problem(
+    objective: str = "force", model: str = "paper"
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Give a command the argument and options that `upwash.sweep.single.single_job` makes a job of.
+
+    Parameters
+    ----------
+    objective, model : str
+        What is usual; that of the model is told in words and put in by the command.
+    """
     options = (
         click.argument("species"),
         click.option(
             "--objective",
             type=click.Choice(list(COST_FUNCTIONS)),
-            default="force",
+            default=objective,
             show_default=True,
             help="What is to be least.",
         ),
@@ -37,7 +45,7 @@ def problem(command: Callable[..., Any]) -> Callable[..., Any]:
         click.option(
             "--model",
             metavar="paper|limit",
-            help="How wakes are resolved: as in the paper, which is usual, or converged.",
+            help=f"How wakes are resolved: as in the paper, or converged.  [default: {model}]",
         ),
         click.option(
             "--set",
@@ -53,13 +61,17 @@ def problem(command: Callable[..., Any]) -> Callable[..., Any]:
             "--tolerance", type=float, default=1e-4, show_default=True, help="Gap to which to prove the best."
         ),
     )
-    for option in reversed(options):
-        command = option(command)
-    return command
+
+    def with_options(command: Callable[..., Any]) -> Callable[..., Any]:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return with_options
 
 
 @click.command()
-@problem
+@problem()
 @click.option(
     "--distance-m",
     type=float,
@@ -107,7 +119,7 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
 
 
 @click.command()
-@problem
+@problem()
 @click.option(
     "--birds", type=click.IntRange(2), default=6, show_default=True, help="Birds, the first one included."
 )

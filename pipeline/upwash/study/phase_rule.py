@@ -20,6 +20,8 @@ from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.wake import WakeModel
 from upwash.columns import TEXT, Column
+from upwash.optimum.pair import solve_pair
+from upwash.optimum.settings import SearchSettings
 from upwash.place.balance import Behind
 
 V, IN_LINE = "V", "in line"
@@ -35,6 +37,7 @@ SHARPNESS = 1e-4
 """How closely the best phase is found, in wingbeats."""
 
 CURVE = (
+    of.column("span_law"),
     Column("formation", "", f"{V} or {IN_LINE}", TEXT),
     of.column("x_m"),
     Column(
@@ -63,7 +66,7 @@ CURVE = (
 """Columns of `phase_curve`, one row a formation, distance and phase."""
 
 RULE = (
-    *CURVE[:5],
+    *CURVE[:6],
     Column("phase_best", "1", "phase in which it saves most, or pays least", format=".3f"),
     Column(
         "spatial_phase_best", "1", "spatial phase x/lambda - kappa of that, from -0.5 to 0.5", format="+.3f"
@@ -82,6 +85,7 @@ RULE = (
     Column("share_without_balance", "1", "share of all phases in which it cannot fly"),
     Column("harmonic_phase", "1", "spatial phase at which the first harmonic of the cost is least"),
     Column("harmonic_size", "1", "amplitude of that harmonic, as a share of the lone bird's cost"),
+    Column("as_observed", "", "whether that is as ibises do, nearly enough to count as that", of.TRUTH),
 )
 """Columns of `phase_rule`, one row a formation and distance."""
 
@@ -128,7 +132,8 @@ def phase_curve(
                     follower.row(follower.best_near(float(np.nanargmin(costs)) / count, 1.0 / count))
                 )
             rows += tried
-    return pd.DataFrame(rows, columns=[column.name for column in CURVE])
+    frame = pd.DataFrame(rows, columns=[column.name for column in CURVE])
+    return frame.assign(span_law=model.span_law)
 
 
 @dataclass(frozen=True)
@@ -194,10 +199,10 @@ def phase_rule(curve: pd.DataFrame) -> pd.DataFrame:
         The columns of `RULE`.
     """
     rows = []
-    for _, group in curve.groupby(["formation", "x_wavelengths"], sort=False):
+    for _, group in curve.groupby(["span_law", "formation", "x_wavelengths"], sort=False):
         flies = group[group["saving_cost"].notna()]
         grounded = group[group["saving_cost"].isna()]
-        row: dict[str, Any] = {column.name: group.iloc[0][column.name] for column in RULE[:5]}
+        row: dict[str, Any] = {column.name: group.iloc[0][column.name] for column in RULE[:6]}
         row["share_without_balance"] = len(grounded) / len(group)
         if len(flies):
             best = flies.sort_values("saving_cost", kind="stable").iloc[-1]
@@ -211,8 +216,44 @@ def phase_rule(curve: pd.DataFrame) -> pd.DataFrame:
         else:
             worst = flies.sort_values("saving_cost", kind="stable").iloc[0]
             row |= {"spatial_phase_worst": worst["spatial_phase"], "saving_worst": worst["saving_cost"]}
+        row["as_observed"] = bool(judge_rules(pd.DataFrame([{**_ABSENT, **row}]))["holds"].all())
         rows.append(row)
     return pd.DataFrame(rows, columns=[column.name for column in RULE])
+
+
+_ABSENT = {column.name: np.nan for column in RULE}
+
+
+def phase_rules(
+    bird: Bird, objective: str, models: Iterable[WakeModel], search: SearchSettings
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return the phase rule of a bird in some models of the wake, and all the phases that were tried.
+
+    In a V it flies where its V optimum is; without one, the V is left out.
+
+    Parameters
+    ----------
+    bird : Bird
+        The bird.
+    objective : str
+        Name of a cost function.
+    models : iterable of WakeModel
+        The wakes.
+    search : SearchSettings
+        How to search for the V optimum.
+
+    Returns
+    -------
+    tuple of DataFrame
+        The columns of `RULE`, and those of `CURVE`.
+    """
+    curves = []
+    for model in models:
+        v = solve_pair(bird, objective, model=model, search=search).v_optimum
+        places = {V: (float(v.pose.y_m), float(v.pose.z_m))} if v else {}
+        curves.append(phase_curve(bird, objective, model, {**places, IN_LINE: (0.0, 0.0)}))
+    curve = pd.concat(curves, ignore_index=True)
+    return phase_rule(curve), curve
 
 
 def _middle(phases: NDArray[np.float64]) -> float:
