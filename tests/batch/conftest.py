@@ -170,3 +170,30 @@ def flocks(tmp_path_factory, logs):
     bench("run", "./flocks.toml")
     bench("aggregate", "results/flocks")
     return bench.folder / "results" / "flocks"
+
+
+@pytest.fixture(scope="session")
+def converged(tmp_path_factory, logs):
+    """The results folder of pairs behind endless wakes, gathered: both costs and both span laws; not to be changed."""
+    bench = Bench(tmp_path_factory.mktemp("limit"), logs)
+    (bench.folder / "converged.toml").write_text(
+        'species = "northern-bald-ibis"\ntolerance = 1e-2\n[fixed]\nmodel = "limit"\n'
+        '[[block]]\nobjective = ["force", "power"]\n'
+        '[[block]]\nobjective = "power"\n[block.fixed]\nspan_law = "tip"\ndistance_m = 1.2\n'
+    )
+    bench("run", "./converged.toml")
+    bench("aggregate", "results/converged")
+    return bench.folder / "results" / "converged"
+
+
+@pytest.fixture(scope="session")
+def converged_flock(tmp_path_factory, logs):
+    """The results folder of a flock behind endless wakes, gathered; not to be changed."""
+    bench = Bench(tmp_path_factory.mktemp("limit-flock"), logs)
+    (bench.folder / "flock.toml").write_text(
+        'kind = "flock"\nspecies = "northern-bald-ibis"\nobjective = "power"\ntolerance = 1e-2\n'
+        '[fixed]\nmodel = "limit"\n[flock]\nbirds = 3\n'
+    )
+    bench("run", "./flock.toml")
+    bench("aggregate", "results/flock")
+    return bench.folder / "results" / "flock"

@@ -43,10 +43,18 @@ def rows_in(source, kind):
     return pq.read_table(source / KINDS[kind].file).to_pylist()
 
 
-@pytest.fixture(scope="session", params=["pair", "neighbour", "all-upstream"])
-def little(request, reproduced, flocks, tmp_path_factory):
-    """One job: the pair's for force without its dear optima, or a flock; its folder, its kind, a row to alter."""
+@pytest.fixture(scope="session", params=["pair", "neighbour", "all-upstream", "limit", "limit flock"])
+def little(request, reproduced, flocks, converged, converged_flock, tmp_path_factory):
+    """One job: a pair's without its dear optima, or a flock; its folder, its kind, a row to alter."""
     folder = tmp_path_factory.mktemp("little")
+    if request.param == "limit flock":
+        write(folder, converged_flock, rows_in(converged_flock, "flock"), "flock")
+        return folder, "flock", 1
+    if request.param == "limit":
+        rows = [row for row in rows_in(converged, "pair") if row["distance_m"] is not None]
+        last = next(number for number, row in enumerate(rows) if row["is_v_optimum"])
+        write(folder, converged, rows[: last + 2], "pair")
+        return folder, "pair", last
     if request.param == "pair":
         rows = [row for row in rows_in(reproduced, "pair") if row["objective"] == "force"]
         last = next(number for number, row in enumerate(rows) if row["is_v_optimum"])

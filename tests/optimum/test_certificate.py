@@ -240,12 +240,13 @@ def lost_tracers(code, search, seed, rounds):
                 high,
                 rng.normal(0.0, 1.0, 2),
                 problem.lanes,
+                problem.first_lanes,
                 problem.constants,
                 PHASE_END,
                 limits,
                 cost,
                 np.empty((8, 10)),
-                np.empty((2, 2, 2, 6)),
+                np.empty((3, 2, 2, 6)),
             )
             followed += 1
             kept = state == boxes.OPEN and np.all(where >= low - 1e-9) and np.all(where <= high + 1e-9)

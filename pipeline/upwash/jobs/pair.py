@@ -92,9 +92,9 @@ class Pair(Kind):
         )
 
     def problems(self, job: Job, bird: Bird, rows: Sequence[of.Stored]) -> list[Sequence[PairProblem]]:
-        from upwash.optimum.pair import pair_problem
+        from upwash.optimum.pair import pair_problems
 
-        shared = [pair_problem(bird, job.objective, model=job.model, distance_m=job.distance_m)]
+        shared = pair_problems(bird, job.objective, model=job.model, distance_m=job.distance_m)
         return [shared for _ in rows]
 
     def felt(self, row: of.Stored, rows: Sequence[of.Stored]) -> Iterator[tuple[Stroke, Pose]]:
@@ -114,11 +114,11 @@ class Pair(Kind):
 
         if rows[0]["rank"] is None:
             return
-        problem = self.problems(job, job.bird, rows[:1])[0][0] if isinstance(job.bird, Bird) else None
+        problems = self.problems(job, job.bird, rows[:1])[0] if isinstance(job.bird, Bird) else ()
         in_v = (
             row["rank"]
             for row in rows
-            if is_v_formation(row) and (problem is None or stays_in_v(problem, pose_to_the_right(row)))
+            if is_v_formation(row) and (not problems or stays_in_v(problems[0], pose_to_the_right(row)))
         )
         best_v = next(in_v, None)
         for number, row in enumerate(rows):
@@ -129,7 +129,8 @@ class Pair(Kind):
             for name, expected in (("is_global_optimum", number == 0), ("is_v_optimum", number == best_v)):
                 if row[name] is not expected:
                     yield name, f"expected {expected} at rank {number}, found {row[name]}"
-        for first, second in alike(problem, list(map(pose_to_the_right, rows))) if problem else ():
+        poses = list(map(pose_to_the_right, rows))
+        for first, second in sorted({pair for problem in problems for pair in alike(problem, poses)}):
             yield "rank", f"expected distinct optima, found that of rank {first} again at rank {second}"
         starts = {row["starts"] for row in rows}
         if len(starts) > 1:

@@ -1,7 +1,8 @@
 """A proof that nothing is better: branch and bound on the follower's problem.
 
 Boxes live in (x, y, z_up, z_down, R, t), with z_up and z_down the heights of the raised and the lowered wingtips, so
-that the force with tips up does not see z_down and the reverse.  A box is cleared when for some multipliers ν
+that the force with tips up does not see z_down and the reverse; states in between see a mix of both.  A box is cleared
+when for some multipliers ν
 
     C + ν · (lift residual, thrust residual) > threshold
 
@@ -72,7 +73,7 @@ def certify(
     Parameters
     ----------
     problem : PairProblem
-        The problem, with two stroke states.
+        The problem, in one piece of phase.
     bounds : (6, 2) ndarray of float
         Bounds in (x, y, z, h, R, t): the problem's, or those of its V part.
     incumbent : float
@@ -115,6 +116,7 @@ def certify(
             threshold,
             min(SEARCH_EVERY, budget - boxes),
             problem.lanes,
+            problem.first_lanes,
             problem.constants,
             problem.phase_span(),
             centre,

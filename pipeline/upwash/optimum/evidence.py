@@ -214,5 +214,4 @@ def name_edge(problem: PairProblem, lane: int, filament: int) -> CoreEdge:
     if filament >= 2 and abs(node) < 1.0:
         point = f"{node:+.3g}"
     state = {0.5: "up", -0.5: "down"}.get(float(height), f"{height:+.3g}")
-    ring = lane % len(problem.wake().circulation)
-    return CoreEdge(point, state, FILAMENTS[filament], *problem.ring_parts(ring))
+    return CoreEdge(point, state, FILAMENTS[filament], *problem.ring_parts(int(problem.ring_of_lane[lane])))

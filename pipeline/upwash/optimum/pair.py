@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from upwash.aero.bird import Bird
 from upwash.aero.pose import Stroke
 from upwash.aero.wake import WakeModel
@@ -63,25 +65,26 @@ def solve_pair(
     >>> print(f"{best.x_m:.2f} m behind and {best.y_m:.2f} m aside it saves {best.saving_total:.0%} of its power")
     1.82 m behind and 0.88 m aside it saves 11% of its power
     """
-    problem = pair_problem(bird, objective, ahead, amplitude_limit_m, model or WakeModel(), distance_m)
-    if isinstance(problem, EndlessProblem):
-        return solve_endless_pair(problem, search or SearchSettings())
-    return solve_pieces([problem], search or SearchSettings())
+    problems = pair_problems(bird, objective, ahead, amplitude_limit_m, model or WakeModel(), distance_m)
+    settings = search or SearchSettings()
+    if isinstance(problems[0], EndlessProblem):
+        return solve_endless_pair(problems[0], settings)
+    return solve_pieces(problems, settings)
 
 
-def pair_problem(
+def pair_problems(
     bird: Bird,
     objective: str,
     ahead: Stroke | None = None,
     amplitude_limit_m: float | None = None,
     model: WakeModel = PAPER,
     distance_m: float | None = None,
-) -> PairProblem:
-    """Pose a pair's problem; parameters and errors are those of `solve_pair`."""
+) -> list[PairProblem]:
+    """Pose a pair's problem, in each piece of its phase; parameters and errors are those of `solve_pair`."""
     need_solvable(model)
     # None stands for the bird's own: the problem puts it in.
     if model.is_endless:
-        return EndlessProblem(
+        endless = EndlessProblem(
             bird,
             objective,
             ahead,  # type: ignore[arg-type]
@@ -89,8 +92,12 @@ def pair_problem(
             model,
             distance_m=distance_m,
         )
+        return [endless]
     if distance_m is not None:
         raise ValueError(
             f"distance_m: expected none, as behind a wake that ends the distance is found, found {distance_m!r}"
         )
-    return PairProblem(bird, objective, ahead, amplitude_limit_m, model)  # type: ignore[arg-type]
+    first = PairProblem(bird, objective, ahead, amplitude_limit_m, model)  # type: ignore[arg-type]
+    # With two states one piece stands for all phases.
+    states = model.stroke_states
+    return [first] if states == 2 else [replace(first, piece=piece) for piece in range(states)]

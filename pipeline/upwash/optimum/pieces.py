@@ -88,16 +88,15 @@ def solve_pieces(
             within = search.descend(v_starts, v_bounds[number])
             search.explore(v_starts)
             in_v[number] = within[0] if within else None
-        if proves_all:
-            search.explore_around_best()
+    if proves_all:
+        _explore_around_best(searches)
 
     v_region = _prove(searches, v_bounds, in_v, settings)
     whole = _NOTHING_PROVED
     if proves_all:
         bounds = [one.bounds for one in problems]
         whole = _prove(searches, bounds, [None] * len(problems), settings)
-        for search in searches:
-            search.explore_around_best()
+        _explore_around_best(searches)
     optima = _optima(searches)
     v_best = next(
         (one for one in optima if labels(problem.bird, problem.pose(one.basin.point).position_m) == V_LABELS),
@@ -138,6 +137,13 @@ def solve_pieces(
     )
     status = "solved" if optima else "infeasible"
     return PairSolution(status, described, proof, time.perf_counter() - begun)
+
+
+def _explore_around_best(searches: Sequence[Search]) -> None:
+    """Search around the basins of every piece that cost nearly as little as the best of all."""
+    least = min((search.basins[0].cost for search in searches if search.basins), default=math.inf)
+    for search in searches:
+        search.explore_around_best(least)
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,14 @@ Two equalities, lift and thrust, hold at every solution; the cost depends on (h,
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
 from upwash.aero.interaction import phase_piece, state_circulation_ratio
+from upwash.aero.compiled.lanes import SLIDING, STEADY
 from upwash.aero.lanes import wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import (
@@ -89,6 +91,8 @@ class PairProblem:
     piece: int = 1
 
     lanes: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+    first_lanes: NDArray[np.int64] = field(init=False, repr=False, compare=False)
+    ring_of_lane: NDArray[np.int64] = field(init=False, repr=False, compare=False)
     constants: NDArray[np.float64] = field(init=False, repr=False, compare=False)
     bounds: NDArray[np.float64] = field(init=False, repr=False, compare=False)
 
@@ -105,7 +109,8 @@ class PairProblem:
         # The bird's own rules hold for the bird ahead and for the limit.
         replace(bird, amplitude_m=self.ahead.amplitude_m, upstroke_span_ratio=self.ahead.span_ratio)
         replace(bird, amplitude_m=self.amplitude_limit_m)
-        object.__setattr__(self, "lanes", self._lanes())
+        for name, value in self._lanes().items():
+            object.__setattr__(self, name, value)
         object.__setattr__(self, "constants", self._constants())
         object.__setattr__(self, "bounds", self._bounds())
 
@@ -186,8 +191,18 @@ class PairProblem:
         self.model.of_points()
         return wake_lanes(self.wake(), steady, sliding, follower, states, self.model.span_nodes)
 
-    def _lanes(self) -> NDArray[np.float64]:
-        return self.lanes_weighed(*self.phase_ramp())
+    def _lanes(self) -> dict[str, NDArray[Any]]:
+        """Return the lanes, where those of each of the follower's states begin, and the ring of each."""
+        lanes, states = self.lanes_weighed(*self.phase_ramp()), self.model.stroke_states
+        lane = np.arange(lanes.shape[1])
+        # With many states most of them never meet in one piece of phase.
+        is_felt = np.any(lanes[[STEADY, SLIDING]] != 0.0, axis=0) if states > 2 else lane >= 0
+        begins = lane[:: lanes.shape[1] // states]
+        return {
+            "lanes": np.ascontiguousarray(lanes[:, is_felt]),
+            "first_lanes": np.array([*(np.count_nonzero(is_felt[:k]) for k in begins), is_felt.sum()]),
+            "ring_of_lane": lane[is_felt] % len(self.wake().circulation),
+        }
 
     def _constants(self) -> NDArray[np.float64]:
         bird, cost = self.bird, self.cost_function

@@ -130,14 +130,21 @@ class Search:
             place[:2] = axis_ranges
             self.explore(self.random_starts(place, count))
 
-    def explore_around_best(self) -> None:
-        """Solve from starts around each basin that costs nearly as little as the best, and those so found."""
-        while new := self._not_searched_around():
+    def explore_around_best(self, least: float = np.inf) -> None:
+        """Solve from starts around each basin that costs nearly as little as the best, and those so found.
+
+        Parameters
+        ----------
+        least : float
+            Cost of the best, if that is of another problem.
+        """
+        while new := self._not_searched_around(least):
             self.searched_around += new
             self.explore(np.concatenate([self._neighbours(basin) for basin in new]))
 
-    def _not_searched_around(self) -> list[Basin]:
-        near = [basin for basin in self.basins if basin.cost <= NEAR_BEST * self.basins[0].cost]
+    def _not_searched_around(self, least: float) -> list[Basin]:
+        best = min([least, *(basin.cost for basin in self.basins[:1])])
+        near = [basin for basin in self.basins if basin.cost <= NEAR_BEST * best]
         new = [basin for basin in near if find_basin(basin, self.searched_around) is None]
         return new[: MOST_NEIGHBOURHOODS - len(self.searched_around)]
 

@@ -6,7 +6,7 @@ from upwash.aero.checked import Rule
 from upwash.aero.wake import WakeModel
 from upwash.optimum.settings import FlockRules
 
-_TWO_STATES = Rule("2 (more are searched and proved behind an endless wake alone)", lambda value: value == 2)
+_TWO_STATES = Rule("2 (flocks behind wakes that end are solved with two states)", lambda value: value == 2)
 _EXACT = Rule(
     "exact (behind an endless wake optima are searched and proved on the whole span)",
     lambda value: value == "exact",
@@ -30,7 +30,8 @@ def need_solvable(model: WakeModel, rules: FlockRules | None = None) -> None:
         If it is one; the message names the input.
     """
     if not model.is_endless:
-        _TWO_STATES("stroke_states", model.stroke_states)
+        if rules is not None:
+            _TWO_STATES("stroke_states", model.stroke_states)
         model.of_points()
         return
     _EXACT("span_nodes", model.span_nodes)

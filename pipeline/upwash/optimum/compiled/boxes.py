@@ -18,6 +18,7 @@ from upwash.optimum.compiled.problem import (
     cost_of,
 )
 from upwash.optimum.compiled.relaxation import MARGIN, ascend, contract, couple, relax
+from upwash.optimum.compiled.steps_enclosure import enclose_steps
 
 TINY = 1e-9
 """Half-width, in units of `WIDTHS`, below which a box is not split further but left open."""
@@ -39,7 +40,7 @@ CLEARED, OPEN = range(2)
 
 
 @kernel
-def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scratch, forms):
+def examine(low, high, nu, lanes, first_lanes, constants, phase_end, limits, threshold, scratch, forms):
     """Try to clear a box; cut off what can be cut off.
 
     Parameters
@@ -48,7 +49,7 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
         The box; shrunk in place.
     nu : (2,) ndarray of float
         Multipliers to start from; improved in place.
-    lanes, constants : ndarray of float
+    lanes, first_lanes, constants : ndarray
         The problem.
     phase_end : float
         Greatest phase coordinate.
@@ -58,7 +59,7 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
         Cost to be exceeded.
     scratch : (8, 10) ndarray of float
         Scratch; on return rows 0 to 2 hold the last relaxation.
-    forms : (2, 2, 2, 6) ndarray of float
+    forms : (3, 2, 2, 6) ndarray of float
         Scratch.
 
     Returns
@@ -69,7 +70,6 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
         Lower bound of the cost of the feasible points of the box as it was given.
     """
     relaxation, widths, work = scratch[0:3, 0:8], scratch[3, 0:6], scratch[4:8]
-    half = lanes.shape[1] // 2
     bound = -np.inf
     while True:
         if not couple(low, high, limits):
@@ -88,24 +88,27 @@ def examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scrat
         for i in range(6):
             widths[i] = 0.5 * (high[i] - low[i]) + ROUNDING * (abs(low[i]) + abs(high[i]))
             before *= max(0.5 * (high[i] - low[i]), 1e-12)
-        for part in range(2):
-            enclose_wake_force(
-                0.5 * (low[0] + high[0]),
-                0.5 * (low[1] + high[1]),
-                0.5 * (low[2 + part] + high[2 + part]),
-                0.5 * (low[4] + high[4]),
-                widths[0],
-                widths[1],
-                widths[2 + part],
-                widths[4],
-                lanes,
-                part * half,
-                (part + 1) * half,
-                part == 0,
-                phase_end,
-                constants[CORE2],
-                forms[part],
-            )
+        if first_lanes.size > 3:
+            enclose_steps(low, high, widths, lanes, first_lanes, phase_end, constants[CORE2], forms)
+        else:
+            for part in range(2):
+                enclose_wake_force(
+                    0.5 * (low[0] + high[0]),
+                    0.5 * (low[1] + high[1]),
+                    0.5 * (low[2 + part] + high[2 + part]),
+                    0.5 * (low[4] + high[4]),
+                    widths[0],
+                    widths[1],
+                    widths[2 + part],
+                    widths[4],
+                    lanes,
+                    first_lanes[part],
+                    first_lanes[part + 1],
+                    part == 0,
+                    phase_end,
+                    constants[CORE2],
+                    forms[part],
+                )
         product = relax(low, high, widths, forms, constants, phase_end, relaxation)
         if not (
             contract(low, high, relaxation, product, widths, 0.0, 1.0, 0.0, 0.0)
@@ -157,7 +160,19 @@ def _split_variable(low, high, nu, relaxation):
 
 @kernel
 def clear_boxes(
-    lows, highs, multipliers, floors, height, limits, threshold, budget, lanes, constants, phase_end, centre
+    lows,
+    highs,
+    multipliers,
+    floors,
+    height,
+    limits,
+    threshold,
+    budget,
+    lanes,
+    first_lanes,
+    constants,
+    phase_end,
+    centre,
 ):
     """Examine boxes from the top of a stack, and split those that stay open, until it is empty or the budget spent.
 
@@ -177,7 +192,7 @@ def clear_boxes(
         Cost to be exceeded.
     budget : int
         Most boxes to examine.
-    lanes, constants : ndarray of float
+    lanes, first_lanes, constants : ndarray
         The problem, see `upwash.optimum.problem.PairProblem`.
     phase_end : float
         Greatest phase coordinate.
@@ -193,7 +208,7 @@ def clear_boxes(
     left_open : float
         Least cost in the boxes that were given up, being too small to split; infinite if none was.
     """
-    scratch, forms = np.empty((8, 10)), np.empty((2, 2, 2, 6))
+    scratch, forms = np.empty((8, 10)), np.empty((3, 2, 2, 6))
     low, high, nu = np.empty(6), np.empty(6), np.empty(2)
     boxes, left_open = 0, np.inf
     centre[:] = np.nan
@@ -203,7 +218,9 @@ def clear_boxes(
         for i in range(6):
             low[i], high[i] = lows[height, i], highs[height, i]
         nu[0], nu[1] = multipliers[height, 0], multipliers[height, 1]
-        state, bound = examine(low, high, nu, lanes, constants, phase_end, limits, threshold, scratch, forms)
+        state, bound = examine(
+            low, high, nu, lanes, first_lanes, constants, phase_end, limits, threshold, scratch, forms
+        )
         if state == CLEARED:
             continue
         bound = max(bound, floors[height])

@@ -8,6 +8,7 @@ without a range, keeps the arrays as wide as those of a pair behind a wake that 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,8 +112,8 @@ class EndlessProblem(PairProblem):
         found[0] = self.bounds[0] if astern else (1.0, -1.0)
         return found
 
-    def _lanes(self) -> NDArray[np.float64]:
-        return np.empty((14, 0))
+    def _lanes(self) -> dict[str, NDArray[Any]]:
+        return {"lanes": np.empty((14, 0))}
 
     def _bounds(self) -> NDArray[np.float64]:
         found = super()._bounds()

@@ -76,7 +76,10 @@ def solve_endless_pair(problem: EndlessProblem, settings: SearchSettings) -> Pai
     unit = problem.leader_cost
     v_wall = _walls(v_region, v_best[0] if v_best else None, v_bounds, problem.bounds)
     v_gap = v_best[0].cost / v_region.lower_bound - 1.0 if v_best else None
-    region_gap = v_region.best.cost / v_region.lower_bound - 1.0 if v_region.best else None
+    # Where the V optimum is the region's best place, both have one gap, to the last digit.
+    region_gap = v_gap
+    if v_region.best and not (v_best and _is_as_good(v_best[0], v_region.best)):
+        region_gap = v_region.best.cost / v_region.lower_bound - 1.0
     proof = Proof(
         v_lower_bound=v_region.lower_bound * unit,
         v_region_certified_gap=region_gap,
@@ -227,6 +230,10 @@ def stays_in_v(problem: EndlessProblem, point: NDArray[np.float64]) -> bool:
     return any(_is_in_v(problem, moved) for moved in found)
 
 
+def _is_as_good(basin: Basin, best: Basin) -> bool:
+    return basin.cost <= best.cost * (1.0 + 1e-9)
+
+
 def _walls(
     region: _Region,
     v_best: Basin | None,
@@ -235,7 +242,7 @@ def _walls(
 ) -> str:
     """Name the walls of the V region on which its best point lies, if that is better than the V optimum."""
     best = region.best
-    if best is None or (v_best is not None and v_best.cost <= best.cost * (1.0 + 1e-9)):
+    if best is None or (v_best is not None and _is_as_good(v_best, best)):
         return ""
     named = []
     for name, value, own, whole in zip(VARIABLES, best.point, v_bounds, bounds, strict=True):
