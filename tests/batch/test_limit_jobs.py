@@ -74,7 +74,9 @@ class TestAFlock:
         assert (leader["bird"], leader["model"], leader["wavelengths"]) == (1, "limit", math.inf)
         wavelength = leader["speed_m_s"] * leader["period_s"]
         assert [row["x_m"] for row in others] == pytest.approx([0.5 * wavelength] * 2, rel=1e-12)
-        assert [row["x_flock_m"] for row in others] == pytest.approx([0.5 * wavelength, wavelength], rel=1e-12)
+        assert [row["x_flock_m"] for row in others] == pytest.approx(
+            [0.5 * wavelength, wavelength], rel=1e-12
+        )
         # In line with the rule, both lag by nearly the time that the wake takes to them.
         assert all(abs(row["spatial_phase"]) < 0.06 for row in others)
 
@@ -82,7 +84,10 @@ class TestAFlock:
         assert "all in order and proved again" in bench("check", str(converged_flock), "--prove")[1]
 
     def test_is_found_again_by_a_second_run(self, bench, converged_flock):
-        assert "agree in" in bench("rerun", str(converged_flock), rows_of(converged_flock, "flock.parquet")[0]["job_id"])[1]
+        assert (
+            "agree in"
+            in bench("rerun", str(converged_flock), rows_of(converged_flock, "flock.parquet")[0]["job_id"])[1]
+        )
 
 
 class TestACommand:
