@@ -96,6 +96,13 @@ def test_what_changes_the_code_is_compiled_again(small_package, file, old, new, 
     assert run_outer(small_package) == (result, True)
 
 
+def test_a_kernel_that_moved_to_another_file_is_looked_for_there(small_package):
+    assert run_outer(small_package) == (20.0, True)
+    (small_package / "inner.py").rename(small_package / "within.py")
+    edit(small_package / "outer.py", "upwash.aero.inner", "upwash.aero.within")
+    assert run_outer(small_package) == (20.0, True)
+
+
 def test_what_changes_no_code_is_not_compiled_again(small_package):
     assert run_outer(small_package) == (20.0, True)
     edit(small_package / "inner.py", '"""Add a step."""', '"""Add\n\n    one\n    step."""  # a comment')

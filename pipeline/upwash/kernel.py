@@ -219,7 +219,8 @@ def _told_kernel(dispatcher: Any) -> str:
     flags = _told(dict(dispatcher.targetoptions), function)
     cells = [cell.cell_contents for cell in function.__closure__ or ()]
     given = _told([function.__defaults__, function.__kwdefaults__, cells], function)
-    return _digest((flags, given, _told_code(function.__code__, function)))
+    # Compiled code looks for the modules of the kernels that it calls.
+    return _digest((function.__module__, flags, given, _told_code(function.__code__, function)))
 
 
 def _told_code(code: CodeType, function: FunctionType) -> Any:

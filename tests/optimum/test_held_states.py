@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 from upwash.aero.bird import Bird
+from upwash.aero.compiled.lanes import FIRST_X, FIRST_Z, HALF_WIDTH, HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
 from upwash.aero.interaction import net_force, wake_force
-from upwash.aero.lanes import FIRST_X, FIRST_Z, HALF_WIDTH, HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
 from upwash.aero.wake import WakeModel
 from upwash.optimum import certify
+from upwash.optimum.compiled.problem import CORE2, evaluate
 from upwash.optimum.compiled.steps_enclosure import enclose_steps
 from upwash.optimum.pair import pair_problems, solve_pair
-from upwash.optimum.problem import CORE2, evaluate
 from upwash.optimum.proof import PROVED
 from upwash.optimum.search import Search
 from upwash.optimum.settings import SearchSettings

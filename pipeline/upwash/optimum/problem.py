@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
-from upwash.aero.interaction import phase_piece, state_circulation_ratio
 from upwash.aero.compiled.lanes import SLIDING, STEADY
+from upwash.aero.interaction import phase_piece, state_circulation_ratio
 from upwash.aero.lanes import wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import (
