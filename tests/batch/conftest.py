@@ -14,6 +14,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
+from joblib.externals.loky import get_reusable_executor
 from upwash.cli import main
 
 HERE = Path(__file__).parent
@@ -126,7 +127,9 @@ def _interrupts_reach_what_is_started():
 
 @pytest.fixture(scope="session")
 def logs(tmp_path_factory):
-    """Where the tests' solvers tell what they did; set before any worker starts, and the same for all."""
+    """Where the tests' solvers tell what they did; the same for all, and set before any worker starts."""
+    # Other tests may have left workers behind, which know nothing of it.
+    get_reusable_executor().shutdown()
     folder = tmp_path_factory.mktemp("logs")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UPWASH_TEST_LOG", str(folder / "solved.log"))

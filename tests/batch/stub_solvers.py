@@ -141,7 +141,7 @@ def mixed(job):
 def lasting(job):
     """Go on once as many jobs are at work as a file says, or could be; the first is on trial, and alone."""
     log(f"begun:{job.job_id}")
-    before, workers = map(int, Path(os.environ["UPWASH_TEST_MENDED"]).read_text().split())
+    before, workers = map(int, Path(os.environ["UPWASH_TEST_FIXED"]).read_text().split())
 
     def begun():
         return Path(os.environ[LOG]).read_text().count("begun:") - before

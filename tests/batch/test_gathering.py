@@ -12,12 +12,12 @@ import pytest
 from upwash.batch import gather
 from upwash.batch.folder import ResultsFolder, Shard, jobs_in, shard_of
 
-# The command, which is killed at the n-th step of its first gathering that changes the disk.
+# A server that imports everything once and forks for each line: the command, which is killed at the n-th step of its
+# first gathering that changes the disk.
 KILLED_AT = """\
-import os, signal, sys
-from upwash.batch import aggregate, gather
+import json, os, signal, sys
+from upwash.batch import aggregate, gather, runner
 gather.MOST_JOB_FILES, gather.MOST_PARTS = 5, 3
-left = int(sys.argv.pop(1))
 def counted(step):
     def then(*arguments, **options):
         global left
@@ -40,7 +40,22 @@ def watched(gathering):
 gather.Gathering._gather = watched(gather.Gathering._gather)
 aggregate._write_tables = watched(aggregate._write_tables)
 from upwash.cli import main
-main()
+answers = os.fdopen(os.dup(1), "w", buffering=1)
+for line in sys.stdin:
+    left, folder, arguments = json.loads(line)
+    child = os.fork()
+    if not child:
+        os.dup2(os.open(os.devnull, os.O_RDWR), 0)
+        os.dup2(0, 1)
+        os.dup2(0, 2)
+        os.chdir(folder)
+        try:
+            main(arguments)
+        except SystemExit as end:
+            os._exit(end.code or 0)
+        finally:
+            os._exit(99)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), file=answers)
 """
 
 
@@ -55,12 +70,20 @@ def parts(bench):
     return ResultsFolder(bench.results).part_files()
 
 
-def killed(bench, step, *arguments):
-    """Run the command to the n-th step of gathering, or to its end; return whether it was killed."""
-    command = [sys.executable, "-c", KILLED_AT, str(step), *arguments]
-    code = subprocess.run(command, cwd=bench.folder, capture_output=True).returncode
-    assert code in (0, -9)
-    return code == -9
+@pytest.fixture
+def killed(bench):
+    """Return a function that runs the command to the n-th step of gathering, or its end; it tells if it was killed."""
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    with subprocess.Popen([sys.executable, "-W", "ignore", "-c", KILLED_AT], **pipes) as server:
+
+        def run(step, *arguments):
+            server.stdin.write(json.dumps([step, str(bench.folder), arguments]) + "\n")
+            server.stdin.flush()
+            code = int(server.stdout.readline())
+            assert code in (0, -9)
+            return code == -9
+
+        yield run
 
 
 def test_files_are_few_and_the_tables_the_same(bench, few, undisturbed):
@@ -107,17 +130,17 @@ def test_a_bad_job_among_cheap_ones_fails_alone(bench):
     assert (status["solved"], status["failed"], status["causes"]) == (500, 500, {"BrokenContract": 500})
 
 
-def test_kill_9_at_any_step_of_gathering_loses_and_repeats_nothing(bench, undisturbed):
+def test_kill_9_at_any_step_of_gathering_loses_and_repeats_nothing(bench, killed, undisturbed):
     bench.sweep("slow", 40)
     kills = 0
     for step in range(1, 12):
-        kills += killed(bench, step, "run", "./sweep.toml", "--workers", "1")
+        kills += killed(step, "run", "./sweep.toml", "--workers", "1")
     assert kills >= 6
     finished = bench.status()["solved"]
     before = bench.solved()
     assert f"{40 - finished} done now, {finished} before" in bench.run()[1]
     assert sum((bench.solved() - before).values()) == 40 - finished
-    kills = sum(killed(bench, step, "aggregate", "results/sweep") for step in range(1, 12))
+    kills = sum(killed(step, "aggregate", "results/sweep") for step in range(1, 12))
     assert kills >= 4
     bench("aggregate", "results/sweep")
     assert bench.summary().equals(undisturbed)
@@ -134,7 +157,7 @@ def gathered(bench, few):
 
 def test_a_part_that_is_there_twice_counts_once(gathered, undisturbed):
     path = parts(gathered)[0]
-    shutil.copy(path, path.with_name(path.name[:-9] + "a.parquet"))
+    shutil.copy(path, path.with_name(f"{path.stem}f{path.suffix}"))
     status = gathered.status()
     assert (status["jobs"], status["solved"], status["left"], status["others"]) == (40, 40, 0, 0)
     gathered("aggregate", "results/sweep")
