@@ -33,6 +33,7 @@ COMMANDS = {
     "species check": ["species", "check", IBIS, "--json"],
     "species new": ["species", "new", "Common shelduck"],
     "optimum": ["optimum", IBIS, "--all"],
+    "phase": ["phase", IBIS, "--model", "paper"],
     "flock": ["flock", IBIS, "--birds", "2"],
     "field": ["field", IBIS, "--size", "4"],
     "animate": ["animate", IBIS, "--birds", "2"],

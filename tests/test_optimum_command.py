@@ -118,7 +118,7 @@ class TestRefuses:
         [
             ("speed", "NAME=VALUE"),
             ("speed=12", "did you mean 'speed_m_s'"),
-            ("stroke_states=3", "more are searched and proved behind an endless wake alone"),
+            ("stroke_states=1", "stroke_states: expected a whole number"),
             ("speed_m_s=", "positive, finite number"),
             ("speed_m_s=fast", "'fast'"),
             ("mass_kg=-1", "'-1'"),
