@@ -503,12 +503,12 @@ def column(name: str) -> Column:
     return next(one for one in COLUMNS if one.name == name)
 
 
-def told(row: Mapping[str, Any]) -> dict[str, Any]:
+def told(row: Stored) -> dict[str, Any]:
     """Return a row as JSON has it, given as it is kept in Parquet: what is a word is one."""
     return {name: _BY_NAME[name].told(value) if name in _BY_NAME else value for name, value in row.items()}
 
 
-def kept(row: Mapping[str, Any]) -> dict[str, Any]:
+def kept(row: Mapping[str, Cell]) -> Row:
     """Return a row as it is kept in Parquet, given as JSON has it."""
     return {name: _BY_NAME[name].kept(value) if name in _BY_NAME else value for name, value in row.items()}
 

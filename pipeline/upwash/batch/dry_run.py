@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from upwash import columns as of
 from upwash.batch.estimate import MOST_TRIALS, estimate
@@ -161,7 +161,7 @@ class _Earlier:
     """Results that the sweep no longer names: what a job may have changed from."""
 
     def __init__(self, folder: ResultsFolder, job_ids: Iterable[str]) -> None:
-        self.rows: dict[tuple[str, str], list[dict[str, Any]]] = {}
+        self.rows: dict[tuple[str, str], list[of.Stored]] = {}
         for row in inputs_in(folder, set(job_ids)):
             self.rows.setdefault((row["species"], row["objective"]), []).append(row)
 

@@ -44,7 +44,7 @@ def list_jobs(folder: ResultsFolder) -> list[Listed]:
     return listed
 
 
-def inputs_in(folder: ResultsFolder, job_ids: set[str]) -> Iterator[dict[str, Any]]:
+def inputs_in(folder: ResultsFolder, job_ids: set[str]) -> Iterator[of.Stored]:
     """Give the inputs of those of some jobs that have a result, from its first row; of some more than once."""
     from upwash.batch.store import Damaged, open_table
 
@@ -62,14 +62,14 @@ def inputs_in(folder: ResultsFolder, job_ids: set[str]) -> Iterator[dict[str, An
         yield from map(of.told, first.values())
 
 
-def labels(inputs: Collection[dict[str, Any]]) -> Callable[[dict[str, Any]], str]:
+def labels(inputs: Collection[of.Stored]) -> Callable[[of.Stored], str]:
     """Return a function that names a job, given its inputs, by what varies among those of several."""
     apart = of.names(of.belonging(of.OUTCOME))
     names = [name for name in next(iter(inputs), ()) if name not in apart]
     return label_by({name for name in names if len({row[name] for row in inputs}) > 1})
 
 
-def label_by(varied: Collection[str]) -> Callable[[dict[str, Any]], str]:
+def label_by(varied: Collection[str]) -> Callable[[of.Stored], str]:
     """Return a function that names a job, given its inputs, by those that vary."""
     return lambda row: " ".join(
         [

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from upwash import columns as of
 from upwash.batch.folder import SUMMARY, ResultsFolder
 from upwash.batch.index import table_files
 from upwash.batch.merging import one_result_a_job
@@ -17,7 +17,7 @@ from upwash.errors import UpwashError
 SHOWN = 5
 
 
-def rows_of(folder: ResultsFolder, beginning: str) -> list[dict[str, Any]]:
+def rows_of(folder: ResultsFolder, beginning: str) -> list[of.Stored]:
     """Return the rows of a job, best first.
 
     Parameters

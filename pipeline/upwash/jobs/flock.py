@@ -69,7 +69,7 @@ class Flock(Kind):
             given["birds"], FlockRules(**{name: given[name] for name in FLOCK_CHOICES if name in given})
         )
 
-    def inputs(self) -> dict[str, of.Cell]:
+    def inputs(self) -> of.Row:
         return {"birds": self.birds, **vars(self.rules)}
 
     def need_solvable(self, model: WakeModel) -> None:

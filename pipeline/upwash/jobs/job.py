@@ -16,7 +16,7 @@ from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.checked import REACH, WrongInput, one_of
 from upwash.aero.wake import WakeModel
-from upwash.columns import Row
+from upwash.columns import Cell, Row, Stored
 from upwash.errors import UpwashError
 from upwash.jobs.bird import BIRD_COLUMNS, NoBird, bird_of, inputs_of, wavelength_ratio
 from upwash.jobs.kind import Kind
@@ -99,7 +99,7 @@ class Job:
 
     def inputs(self) -> Row:
         """Return the inputs by column, as JSON has them; what does not apply is None."""
-        found: dict[str, Any] = {
+        found: Row = {
             **dict.fromkeys(INPUTS),
             **inputs_of(self.bird),
             "kind": self.kind.name,
@@ -116,7 +116,7 @@ class Job:
         return {name: found[name] for name in INPUTS}
 
     @classmethod
-    def of(cls, row: Mapping[str, Any]) -> Job:
+    def of(cls, row: Stored) -> Job:
         """Return the job whose inputs a row holds by column, as in Parquet or as in JSON; what is absent is as usual.
 
         Raises
@@ -142,7 +142,7 @@ class Job:
         )
 
 
-def canonical_text(inputs: Mapping[str, Any], model_version: int = MODEL_VERSION) -> str:
+def canonical_text(inputs: Mapping[str, Cell], model_version: int = MODEL_VERSION) -> str:
     """Write a job's inputs in the one way that its identity is taken from.
 
     One ``name=value`` a line, sorted by name; numbers by their shortest exact text, so that 1 and 1.0, or
@@ -150,20 +150,20 @@ def canonical_text(inputs: Mapping[str, Any], model_version: int = MODEL_VERSION
     left out, so that a new sort of input changes no id. A model's name follows from its parts.
     """
     lines = [f"model_version={model_version}"]
-    usual = _LATER | KINDS[inputs["kind"]].later
+    usual = _LATER | KINDS[str(inputs["kind"])].later
     for name, value in inputs.items():
         if value is not None and name != "model" and usual.get(name) != value:
             lines.append(f"{name}={repr(float(value) + 0.0) if name in _FLOATS else json.dumps(value)}")
     return "\n".join(sorted(lines))
 
 
-def job_id(inputs: Mapping[str, Any], model_version: int = MODEL_VERSION) -> str:
+def job_id(inputs: Mapping[str, Cell], model_version: int = MODEL_VERSION) -> str:
     """Return the id of the job with these inputs: 16 hexadecimal digits."""
     text = canonical_text(inputs, model_version)
     return hashlib.blake2b(text.encode(), digest_size=ID_BYTES).hexdigest()
 
 
-def job_of(row: Mapping[str, Any]) -> Job:
+def job_of(row: Stored) -> Job:
     """Return the job that a stored row came from, made of its inputs alone.
 
     Raises

@@ -63,7 +63,7 @@ class Kind(ABC):
     choices: ClassVar[Mapping[str, Rule | tuple[str, ...]]] = {}
     usual: ClassVar[Mapping[str, Any]] = {}
     parts: ClassVar[tuple[str, ...]] = ()
-    later: ClassVar[dict[str, of.Cell]] = {}
+    later: ClassVar[of.Row] = {}
 
     # Its own inputs
 
@@ -79,7 +79,7 @@ class Kind(ABC):
         """
 
     @abstractmethod
-    def inputs(self) -> dict[str, of.Cell]:
+    def inputs(self) -> of.Row:
         """Return its own inputs by column."""
 
     def need_solvable(self, model: WakeModel) -> None:

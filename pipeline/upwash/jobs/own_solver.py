@@ -106,7 +106,7 @@ def own_columns(solver: Callable[..., Any], name: str = "the solver") -> tuple[o
     return tuple(columns)
 
 
-def kept_to_contract(answer: Any) -> tuple[str, str, list[dict[str, Any]]]:
+def kept_to_contract(answer: Any) -> tuple[str, str, list[of.Row]]:
     """Return what a solver returned, if that is status, error and rows.
 
     Raises

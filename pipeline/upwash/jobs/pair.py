@@ -50,7 +50,7 @@ class Pair(Kind):
     def from_inputs(cls, given: Mapping[str, Any]) -> Self:
         return cls()
 
-    def inputs(self) -> dict[str, of.Cell]:
+    def inputs(self) -> of.Row:
         return {}
 
     def solve(self, job: Job, bird: Bird) -> Answer:

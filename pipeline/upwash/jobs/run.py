@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pyarrow as pa
 
@@ -101,11 +100,11 @@ def run_job(job: Job) -> Ended:
 def solve(job: Job) -> list[of.Row]:
     """Solve a job and return its rows: one an optimum, or one a bird of a flock; at least one in any case."""
     status, error, rows = kept_to_contract(solver_of(job)(job))
-    rows = [{"status": status, "error": error or None} | row for row in rows or [{}]]
-    return [inputs_of(job) | {name: _finite(value) for name, value in row.items()} for row in rows]
+    shared: of.Row = {**inputs_of(job), "status": status, "error": error or None}
+    return [shared | {name: _finite(value) for name, value in row.items()} for row in rows or [{}]]
 
 
-def _finite(value: Any) -> Any:
+def _finite(value: of.Cell) -> of.Cell:
     """Return a value, or None for a number that is not finite; an infinite bound says: nothing there."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
@@ -113,7 +112,7 @@ def _finite(value: Any) -> Any:
 def inputs_of(job: Job) -> of.Row:
     """Return the columns that say which job a row is of."""
     inputs = of.kept(job.inputs()).items()
-    ids = {name: job.job_id for name in IDS if name in job.kind.rows.names}
+    ids: of.Row = {name: job.job_id for name in IDS if name in job.kind.rows.names}
     return ids | {name: value for name, value in inputs if value is not None}
 
 

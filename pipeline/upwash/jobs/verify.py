@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 from upwash import columns as of
@@ -80,10 +81,10 @@ def evidence_of(rows: Sequence[of.Stored]) -> list[of.Row]:
             # Of two phases that are alike the lesser is kept.
             found.append({"phase": 1.0 - row["phase"]})
             continue
-        own = next((one for one in examined if one["active_bounds"] == row["active_bounds"]), examined[0])
+        own = next((one for one in examined if one.active_bounds == row["active_bounds"]), examined[0])
         if row["y_m"] < 0.0:
-            own = own | {"core_edges": other_side(own["core_edges"])}
-        found.append(own)
+            own = replace(own, core_edges=other_side(own.core_edges))
+        found.append(asdict(own))
     return found
 
 

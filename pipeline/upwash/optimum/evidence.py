@@ -14,9 +14,9 @@ starboard, by symmetry, and whether the follower gains by moving aside is told b
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -196,15 +196,34 @@ def _piecewise(
     return found, worst
 
 
-def evidence_columns(
-    problem: PairProblem, representative: NDArray[np.int64], evidence: Evidence
-) -> dict[str, Any]:
-    """Return the evidence by the columns of the results; parameters as for `gather_evidence`."""
+@dataclass(frozen=True)
+class StatedEvidence:
+    """Evidence as it is stated: bounds and core edges by their names; the fields are the columns of the results."""
+
+    active_bounds: str
+    core_edges: str
+    stationarity: float
+    curvature: float | None
+    multiplier_lift: float
+    multiplier_thrust: float
+
+    @classmethod
+    def of(cls, evidence: Evidence, edges: Iterable[CoreEdge]) -> StatedEvidence:
+        """State evidence, of which the core edges are named."""
+        return cls(
+            active_bounds=",".join(evidence.active_bounds),
+            core_edges=", ".join(map(str, edges)),
+            stationarity=evidence.stationarity,
+            curvature=evidence.curvature,
+            multiplier_lift=evidence.multiplier_lift,
+            multiplier_thrust=evidence.multiplier_thrust,
+        )
+
+
+def stated(problem: PairProblem, representative: NDArray[np.int64], evidence: Evidence) -> StatedEvidence:
+    """State the evidence at a point; parameters as for `gather_evidence`."""
     edges = (name_edge(problem, *representative[edge]) for edge in evidence.core_edges)
-    return vars(evidence) | {
-        "active_bounds": ",".join(evidence.active_bounds),
-        "core_edges": ", ".join(map(str, edges)),
-    }
+    return StatedEvidence.of(evidence, edges)
 
 
 def name_edge(problem: PairProblem, lane: int, filament: int) -> CoreEdge:

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 from upwash.aero.bird import Bird
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import WakeModel
+from upwash.columns import Row
 from upwash.optimum.core_edge import other_side
 from upwash.optimum.flock_wake import Place
 from upwash.optimum.proof import Proof
-from upwash.optimum.record import Cell, record
+from upwash.optimum.record import record
 from upwash.optimum.settings import FlockRules
 from upwash.optimum.solution import Optimum
 
@@ -89,7 +90,7 @@ class FlockSolution:
             (abs(value) for one in optima for value in (one.residual_lift, one.residual_thrust)), default=0.0
         )
 
-    def rows(self) -> list[dict[str, Cell]]:
+    def rows(self) -> list[Row]:
         """Return one dictionary per bird, by the columns of the results."""
         return [self._row(one) for one in self.members]
 
@@ -99,8 +100,8 @@ class FlockSolution:
 
         return pd.DataFrame(self.rows())
 
-    def _row(self, one: Member) -> dict[str, Cell]:
-        row: dict[str, Cell] = {"status": "solved", "error": None, "bird": one.number}
+    def _row(self, one: Member) -> Row:
+        row: Row = {"status": "solved", "error": None, "bird": one.number}
         row["leader"] = one.leader or None
         ahead = self.members[one.leader - 1].place if one.leader else None
         if ahead is not None:

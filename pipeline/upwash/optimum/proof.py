@@ -16,6 +16,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from upwash.aero.power import COST_FUNCTIONS
+from upwash.columns import Row
 
 PROVED, OPEN, NOT_CLAIMED = "proved", "open", "not claimed"
 
@@ -70,7 +71,7 @@ class Proof:
     feasible: bool
     tolerance: float
 
-    def columns(self) -> dict[str, Any]:
+    def columns(self) -> Row:
         """Return the columns of the results that tell the proof; the tolerance is one of the job."""
         return {name: value for name, value in asdict(self).items() if name != "tolerance"}
 

@@ -21,10 +21,6 @@ V_LABELS = ("outboard", "level", "astern")
 """Placement, tier and station of a follower in a V."""
 
 
-Cell = float | int | bool | str | None
-"""What may stand in a column of a row."""
-
-
 @dataclass(frozen=True)
 class Record:
     """What is recorded of a bird; the fields are the columns of the results of the same names.

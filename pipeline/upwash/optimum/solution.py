@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.pose import Pose
-from upwash.optimum.evidence import Evidence, evidence_columns
+from upwash.columns import Row
+from upwash.optimum.evidence import Evidence, StatedEvidence, stated
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import Proof
-from upwash.optimum.record import Cell, Record, record
+from upwash.optimum.record import Record, record
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Optimum(Record):
-    """One local optimum: its pose, what follows from it, and what the search says of it.
+class Optimum(Record, StatedEvidence):
+    """One local optimum: its pose, what follows from it, what holds there, and what the search says of it.
 
     But for the pose the fields are the columns of the results of the same names.
     """
@@ -33,14 +34,8 @@ class Optimum(Record):
     starts: int
     is_v_optimum: bool
     is_global_optimum: bool
-    active_bounds: str
-    core_edges: str
-    stationarity: float
-    curvature: float | None
-    multiplier_lift: float
-    multiplier_thrust: float
 
-    def columns(self) -> dict[str, Cell]:
+    def columns(self) -> Row:
         """Return the fields that are columns of the results."""
         return {entry.name: getattr(self, entry.name) for entry in fields(self) if entry.name != "pose"}
 
@@ -76,11 +71,11 @@ class PairSolution:
         """The best optimum that is outboard, level and astern, if there is one."""
         return next((optimum for optimum in self.optima if optimum.is_v_optimum), None)
 
-    def rows(self) -> list[dict[str, Cell]]:
+    def rows(self) -> list[Row]:
         """Return one dictionary per optimum, by the columns of the results."""
         return [optimum.columns() | self.of_the_job() for optimum in self.optima]
 
-    def of_the_job(self) -> dict[str, Cell]:
+    def of_the_job(self) -> Row:
         """Return what is the same in every row: the proof and the time, by the columns of the results."""
         return self.proof.columns() | {"solve_time_s": self.solve_time_s}
 
@@ -128,5 +123,5 @@ def describe_optimum(
         starts=starts,
         is_v_optimum=is_v_optimum,
         is_global_optimum=rank == 0,
-        **evidence_columns(problem, representative, evidence),
+        **vars(stated(problem, representative, evidence)),
     )

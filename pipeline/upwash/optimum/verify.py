@@ -25,9 +25,9 @@ from upwash.optimum.edges import distinct_edges
 from upwash.optimum.endless.evidence import gather_endless_evidence
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import EndlessSearch
-from upwash.optimum.endless.solve import certify_endless, endless_evidence_columns
+from upwash.optimum.endless.solve import certify_endless, endless_stated
 from upwash.optimum.endless.solve import stays_in_v as endless_stays_in_v
-from upwash.optimum.evidence import evidence_columns, gather_evidence
+from upwash.optimum.evidence import StatedEvidence, gather_evidence, stated
 from upwash.optimum.problem import VARIABLES, PairProblem
 from upwash.optimum.search import SAME_BASIN, Search
 
@@ -76,8 +76,8 @@ def point_in(problem: PairProblem, pose: Pose) -> NDArray[np.float64] | None:
     return np.array([*lengths, pose.stroke.span_ratio, min(max(coordinate, 0.0), end)])
 
 
-def examine(problems: Sequence[PairProblem], pose: Pose) -> list[dict[str, Any]]:
-    """Return the evidence for an optimum at a pose, by the columns of the results.
+def examine(problems: Sequence[PairProblem], pose: Pose) -> list[StatedEvidence]:
+    """Return the evidence for an optimum at a pose.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def examine(problems: Sequence[PairProblem], pose: Pose) -> list[dict[str, Any]]
 
     Returns
     -------
-    list of dict
+    list of StatedEvidence
         One for each piece in which the pose lies: two where two pieces meet.
     """
     found = []
@@ -97,11 +97,11 @@ def examine(problems: Sequence[PairProblem], pose: Pose) -> list[dict[str, Any]]
         if point is None:
             continue
         if isinstance(problem, EndlessProblem):
-            found.append(endless_evidence_columns(problem, gather_endless_evidence(problem, point)))
+            found.append(endless_stated(problem, gather_endless_evidence(problem, point)))
             continue
         group, representative = _edges(problem)
         evidence = gather_evidence(problem, group, representative, point)
-        found.append(evidence_columns(problem, representative, evidence))
+        found.append(stated(problem, representative, evidence))
     return found
 
 

@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +23,7 @@ from upwash.optimum.core_edge import BOTH, TURN, CoreEdge
 from upwash.optimum.endless.evidence import gather_endless_evidence
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import SHARE, EndlessSearch
-from upwash.optimum.evidence import Evidence
+from upwash.optimum.evidence import Evidence, StatedEvidence
 from upwash.optimum.pieces import LEAST_CURVATURE, MOST_PROOFS, STATIONARY
 from upwash.optimum.problem import VARIABLES
 from upwash.optimum.proof import Proof
@@ -267,16 +266,13 @@ def _described(
         starts=search.starts,
         is_v_optimum=is_v_optimum,
         is_global_optimum=rank == 0,
-        **endless_evidence_columns(problem, evidence),
+        **vars(endless_stated(problem, evidence)),
     )
 
 
-def endless_evidence_columns(problem: EndlessProblem, evidence: Evidence) -> dict[str, Any]:
-    """Return evidence by the columns of the results."""
-    return vars(evidence) | {
-        "active_bounds": ",".join(evidence.active_bounds),
-        "core_edges": ", ".join(str(_edge_name(problem, edge)) for edge in evidence.core_edges),
-    }
+def endless_stated(problem: EndlessProblem, evidence: Evidence) -> StatedEvidence:
+    """State the evidence at a point."""
+    return StatedEvidence.of(evidence, (_edge_name(problem, edge) for edge in evidence.core_edges))
 
 
 def _edge_name(problem: EndlessProblem, edge: int) -> CoreEdge:
