@@ -21,7 +21,7 @@ MAY_IMPORT = {
     "jobs": {"aero", "columns", "errors", "kernel", "optimum"},
     "sweep": {"aero", "columns", "errors", "jobs", "optimum", "shipped", "species"},
     "batch": {"columns", "errors", "jobs", "shipped", "sweep"},
-    "study": {"aero", "batch", "columns", "errors", "jobs", "optimum", "place", "species"},
+    "study": {"aero", "batch", "columns", "errors", "jobs", "optimum", "place", "shipped", "species"},
     "paper": {"aero", "batch", "columns", "errors", "jobs", "optimum", "study"},
     "report": {"aero", "batch", "columns", "errors", "jobs", "optimum", "paper", "species", "study"},
     "cli": {

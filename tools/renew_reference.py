@@ -19,7 +19,10 @@ from upwash.jobs.pair import Pair
 ROOT = Path(__file__).parents[1]
 REFERENCE = ROOT / "results" / "reference"
 README = ROOT / "README.md"
-PICTURES = [ROOT / "docs" / f"{name}.png" for name in ("optimal-position", "fixed-wings")]
+PICTURES = [
+    ROOT / "docs" / f"{name}.png"
+    for name in ("optimal-position", "fixed-wings", "limit-place", "limit-phase")
+]
 BLOCK = re.compile(r"(?<=<!-- reproduce: begin -->\n```text\n).*(?=```\n<!-- reproduce: end -->)", re.DOTALL)
 
 COMMAND = [sys.executable, "-c", "from upwash.cli import main; main(prog_name='upwash')", "reproduce"]

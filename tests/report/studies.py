@@ -4,6 +4,7 @@ No search is run. The optima are those of the paper's ibis to a few digits; what
 the plain statement of the physics. Other birds are the ibis with lengths stretched and the same shares saved.
 """
 
+from dataclasses import replace
 from hashlib import sha256
 
 import numpy as np
@@ -19,6 +20,8 @@ from upwash.jobs.kinds import KINDS
 from upwash.jobs.schema import table_of
 from upwash.optimum.record import record
 from upwash.study.phase_rule import CURVE, IN_LINE, V, phase_rule, wrapped
+
+PAPER = WakeModel()
 
 IBIS = {
     "mass_kg": 1.3,
@@ -63,7 +66,7 @@ def bird_of(inputs):
     return Bird(*(inputs[name] for name in names), *stroke, inputs["circulation_ratio"])
 
 
-def row_of(species, objective, inputs, place, rank, kind="pair", ahead=None):
+def row_of(species, objective, inputs, place, rank, kind="pair", ahead=None, model=PAPER):
     """Return one row of results; `ahead` is how the bird ahead flaps, as the bird does alone if not given."""
     x, y, z, amplitude, ratio, phase = place
     pose = Pose(x, y, z, Stroke(amplitude, ratio), phase)
@@ -78,7 +81,7 @@ def row_of(species, objective, inputs, place, rank, kind="pair", ahead=None):
         "objective": objective,
         "status": of.SOLVED,
         "kind": kind,
-        **vars(record(bird, objective, ahead or bird.stroke, pose, WakeModel())),
+        **vars(record(bird, objective, ahead or bird.stroke, pose, model)),
         # The optima are known to a few digits.
         "residual_lift": 0.0,
         "residual_thrust": 0.0,
@@ -117,6 +120,27 @@ def pair_rows(species="northern-bald-ibis", stretch=1.0, **changes):
             rows.append(
                 row_of(species, objective, inputs, (*(one * stretch for one in lengths), ratio, phase), rank)
             )
+    return rows
+
+
+# As OPTIMA, in the limit, by span law: the best of each objective, and whether that is a V optimum.
+LIMIT_OPTIMA = {
+    ("force", "stroke"): ((1.875, 0.42521, -0.0079, 1.0316, 0.3837, 0.4875), False),
+    ("force", "tip"): ((1.875, 0.5706, 0.0, 1.0, 0.389, 0.481), False),
+    ("power", "stroke"): ((1.875, 1.08462, 0.0, 0.97877, 0.40565, 0.5), True),
+    ("power", "tip"): ((1.875, 0.82532, -0.01848, 0.95473, 0.39794, 0.52891), True),
+}
+
+
+def limit_rows(species="northern-bald-ibis", **changes):
+    """Return the best of a bird in the limit for both objectives, by both span laws."""
+    rows = []
+    for (objective, law), (place, is_v) in LIMIT_OPTIMA.items():
+        model = replace(WakeModel.named("limit"), span_law=law)
+        # As a file holds it: no number of points is the whole span.
+        inputs = IBIS | vars(model) | {"span_nodes": None, "model": model.name(6.25)} | changes
+        row = row_of(species, objective, inputs, place, 0, model=model)
+        rows.append(row | {"job_id": id_of(f"limit {species} {objective} {law}"), "is_v_optimum": is_v})
     return rows
 
 
@@ -216,7 +240,13 @@ def phase_frames():
             flies = saving > -0.09
             numbers = {"amplitude_m": 0.9, "upstroke_span_ratio": 0.4, "saving_cost": saving}
             rows.append(
-                {"span_law": "stroke", "formation": formation, "x_m": 1.875, "x_wavelengths": 0.5}
+                {
+                    "model": "limit",
+                    "span_law": "stroke",
+                    "formation": formation,
+                    "x_m": 1.875,
+                    "x_wavelengths": 0.5,
+                }
                 | {"y_m": 1.0 if formation == V else 0.0, "z_m": 0.0, "phase": phase}
                 | {"spatial_phase": wrapped(0.5 - phase), "missing": "" if flies else "thrust"}
                 | {name: value if flies else np.nan for name, value in numbers.items()}

@@ -1,12 +1,14 @@
 """Figures, tested on what they draw: the values in their artists, their words and their bytes, not their pixels."""
 
 import re
+from pathlib import Path
 
 import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from renew_claims import kept
 from upwash.aero.interaction import net_force, state_forces
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import vortex_wake
@@ -20,6 +22,7 @@ from upwash.report.figures import (
     flock_saving,
     flock_view,
     force_maps,
+    limit_claims,
     lone_wake,
     optima_map,
     optimal_position,
@@ -73,7 +76,12 @@ def varied():
 
 
 @pytest.fixture(scope="module")
-def everything(pair, flock, species, varied):
+def limit():
+    return studies.frame(studies.limit_rows())
+
+
+@pytest.fixture(scope="module")
+def everything(pair, flock, species, varied, limit):
     """All frames that figures take."""
     return sources.Sources(
         pair,
@@ -84,7 +92,10 @@ def everything(pair, flock, species, varied):
             "objective == 'power'"
         ),
         samples=None,
+        limit=limit,
+        claims=kept(),
         observations=read_observations(),
+        phase=sources.read_phase(),
         folders={},
     )
 
@@ -514,6 +525,54 @@ class TestSpeeds:
         assert f"V optimum {words}" in speed_power.describe(of_ends).partition(";")[0]
 
 
+class TestLimit:
+    """The two models' V, when to flap, and what survives of the claims."""
+
+    def test_each_v_is_where_it_was_found_and_to_scale(self, pair, limit, everything):
+        figure = FIGURES["limit-place"].draw(pair, limit, everything.observations)
+        assert line(figure, "place the paper's model")[0] == pytest.approx((POWER["x"] / B, POWER["y"] / B))
+        for law, (y, saving) in {"stroke": (1.8077, 0.0406), "tip": (1.3755, 0.0441)}.items():
+            assert line(figure, f"place {law} law")[0] == pytest.approx((3.125, y), rel=1e-3)
+            assert set(line(figure, f"ridge {law} law")[:, 1]) == {line(figure, f"place {law} law")[0, 1]}
+            (bar,) = drawn(figure, f"saving {law} law")
+            assert bar.get_height() == pytest.approx(saving, abs=1e-3)
+        assert figure.axes[0].get_aspect() == figure.axes[1].get_aspect() == 1.0
+
+    def test_the_best_phase_lies_on_the_line_of_what_ibises_do(self, limit, everything):
+        figure = FIGURES["limit-phase"].draw(limit, everything.phase)
+        for name, observed, law, near in (
+            ("a", 0.0, "stroke", 1e-3),
+            ("a", 0.0, "tip", 0.06),
+            ("b", 0.5, "tip", 0.2),
+        ):
+            marks = line(figure, f"best {name} limit {law}")
+            away = (marks[:, 0] - marks[:, 1] - observed + 0.5) % 1.0 - 0.5
+            assert len(marks) == 4 and np.abs(away).max() < near
+        crosses = line(figure, "best b paper tip")[:, 1]
+        assert set(crosses) <= {0.0, 0.5}
+
+    def test_a_line_breaks_where_the_bird_cannot_fly(self, limit, everything):
+        figure = FIGURES["limit-phase"].draw(limit, everything.phase)
+        for law in ("stroke", "tip"):
+            in_line, in_v = (line(figure, f"saving {formation} {law}") for formation in ("in line", "V"))
+            grounded = np.isnan(in_line[:, 1])
+            assert np.abs(in_line[grounded, 0]).max() < 0.1 and grounded.sum() > 2
+            assert np.nanmax(in_line[:, 1]) < 0.0 < in_v[:, 1].min()
+
+    def test_a_claim_keeps_its_place_in_both_panels(self, everything):
+        claims = everything.claims
+        figure = FIGURES["limit-claims"].draw(claims)
+        first = claims.iloc[:1].assign(verdict="holds", limit_verdict="fails")
+        second = claims.iloc[:1].assign(verdict="fails", limit_verdict="holds")
+        marks = FIGURES["limit-claims"].draw(pd.concat([second, first]))
+        for column, verdicts in (("verdict", ("holds", "fails")), ("limit_verdict", ("fails", "holds"))):
+            for place, verdict in enumerate(verdicts):
+                (mark,) = drawn(marks, f"{column} 0 {place}")
+                assert mark.get_marker() == limit_claims.LOOKS[verdict]["marker"]
+        count = len([one for one in figure.findobj() if str(one.get_gid()).startswith("limit_verdict ")])
+        assert count == len(claims)
+
+
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
     """A results folder of each kind of study."""
@@ -523,6 +582,7 @@ def folders(tmp_path_factory):
         "flock": studies.write_folder(root / "flock", studies.flock_rows(), "flock"),
         "species": studies.write_folder(root / "species", studies.species_rows()),
         "varied": studies.write_folder(root / "varied", studies.varied_rows()),
+        "limit": studies.write_folder(root / "limit", studies.limit_rows()),
     }
 
 
@@ -531,7 +591,26 @@ class TestSources:
         for name, path in folders.items():
             found = sources.sort_studies([sources.read_study(path)])
             assert name in found.folders
-            assert {"species", "varied", "flock"} & set(found.folders) == {name} - {"pair"}
+            assert {"species", "varied", "flock", "limit"} & set(found.folders) == {name} - {"pair"}
+
+    def test_an_endless_wake_gives_no_frame_of_wakes_that_end(self, folders):
+        assert set(sources.sort_studies([sources.read_study(folders["limit"])]).folders) == {"limit"}
+
+    @pytest.mark.parametrize("spoil", ["one span law", "no V", "another core"])
+    def test_of_the_limit_both_laws_with_a_v_are_needed(self, spoil, tmp_path):
+        rows = studies.limit_rows(**({"core_radius_ratio": 0.2} if spoil == "another core" else {}))
+        if spoil == "one span law":
+            rows = [row for row in rows if row["span_law"] == "tip"]
+        elif spoil == "no V":
+            rows = [row | {"is_v_optimum": False} for row in rows]
+        found = sources.sort_studies([sources.read_study(studies.write_folder(tmp_path / "limit", rows))])
+        assert found.limit is None
+
+    def test_the_paper_s_bird_is_shown_of_several_in_the_limit(self, tmp_path):
+        rows = [*studies.limit_rows("dunlin", mass_kg=0.05), *studies.limit_rows()]
+        found = sources.sort_studies([sources.read_study(studies.write_folder(tmp_path / "limit", rows))])
+        assert set(found.limit["species"]) == {"northern-bald-ibis"}
+        assert len(found.limit) == len(studies.LIMIT_OPTIMA)
 
     def test_the_first_folder_that_has_a_frame_gives_it(self, folders):
         studied = [sources.read_study(folders[name]) for name in ("varied", "pair", "flock")]
@@ -558,7 +637,7 @@ class TestSources:
         rows = [
             row for value in (1.1, 1.2, 1.3) for row in studies.pair_rows(mass_kg=value, speed_m_s=10 * value)
         ]
-        study = sources.Study("", Pair, studies.frame(rows), {})
+        study = sources.Study(Path(), Pair, studies.frame(rows), {})
         assert sources.sort_studies([study]).pair is None
 
     def test_a_figure_without_its_study_says_what_it_needs(self, folders):

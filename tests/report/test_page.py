@@ -25,12 +25,13 @@ species = "northern-bald-ibis"
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    """A page about a pair, a flock and the kept verdicts on the paper's claims; other species were not run."""
+    """A page about a pair, a flock, the limit and the kept verdicts on the claims; other species were not run."""
     root = tmp_path_factory.mktemp("results")
     pair = studies.write_folder(root / "pair", studies.pair_rows(), text=SWEEP)
     flock = studies.write_folder(root / "flock", studies.flock_rows(), "flock")
+    limit = studies.write_folder(root / "limit", studies.limit_rows())
     write_claims(kept(), pair)
-    return write_page(pair, flock)
+    return write_page(pair, flock, limit)
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +82,7 @@ class TestLoading:
             for name in chapter.figures
             if not name.startswith(("species", "speed", "parameter"))
         ]
-        assert len(widths) == len(shown) == 10
+        assert len(widths) == len(shown) == 13
         assert all(width > 300 for width in widths)
 
     @pytest.mark.parametrize("width", [320, 390, 1000, 1280])
@@ -227,11 +228,11 @@ class TestContent:
 
     def test_what_is_missing_is_named_with_the_way_to_get_it(self, page, written):
         told = page.run('document.querySelector("#species .missing + pre").textContent')
-        pair, flock = (written.parents[1] / name for name in ("pair", "flock"))
+        pair, flock, limit = (written.parents[1] / name for name in ("pair", "flock", "limit"))
         assert told.splitlines() == [
             "upwash run cross-species",
             "upwash aggregate results/cross-species",
-            f"upwash page {pair} {flock} results/cross-species",
+            f"upwash page {pair} {flock} {limit} results/cross-species",
         ]
         assert page.run('document.querySelector("#flock .missing")') is None
 
@@ -240,7 +241,7 @@ class TestContent:
             'Array.from(document.querySelectorAll("a[download]"), (link) => link.getAttribute("href"))'
         )
         assert "solutions.parquet" in links and "../flock/flock.parquet" in links
-        assert len(links) == 10 * 3 + 5
+        assert len(links) == 13 * 3 + 7
         assert all((written.parent / link).stat().st_size > 1000 for link in links)
 
     def test_the_line_shown_makes_the_figure(self, page, tmp_path, monkeypatch):
@@ -314,7 +315,8 @@ class TestWriting:
     def test_the_same_results_give_the_same_page(self, written, monkeypatch):
         before = written.read_bytes()
         monkeypatch.setattr("upwash.report.page.draw_figures", lambda sources, folder: [])
-        assert write_page(written.parent, written.parents[1] / "flock").read_bytes() == before
+        others = (written.parents[1] / name for name in ("flock", "limit"))
+        assert write_page(written.parent, *others).read_bytes() == before
 
     def test_a_jobs_time_is_told_once_however_many_rows_it_has(self, written):
         # Each optimum of a pair holds its job's time; each bird of a flock its own.

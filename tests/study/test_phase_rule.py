@@ -24,6 +24,7 @@ from upwash.study.phase_rule import (
     phase_rule,
     wrapped,
 )
+from upwash.study.sources import read_phase
 
 IBIS = load_species("northern-bald-ibis").bird()
 LIMIT = WakeModel.named("limit")
@@ -69,6 +70,18 @@ class TestIbis:
         for law, saved in (("stroke", 0.0406), ("tip", 0.0441)):
             assert rules[law][0]["saving_best"].max() == pytest.approx(saved, abs=2e-4)
 
+    @pytest.mark.parametrize("law", IN_V)
+    def test_what_is_kept_of_it_is_found_again(self, rules, law):
+        kept = read_phase()
+        kept = phase_rule(kept[(kept["model"] == "limit") & (kept["span_law"] == law)])
+        for formation, fresh in rules[law][0].groupby("formation"):
+            before = kept[kept["formation"] == formation]
+            for column in ("spatial_phase_best", "saving_best", "spatial_phase_worst"):
+                # The span of phases in which it cannot fly is known to one of those that are tried.
+                near = 0.03 if column == "spatial_phase_worst" else 2e-3
+                apart = [wrapped(now - then) for now in fresh[column] for then in before[column]]
+                assert np.abs(apart).max() < near, column
+
     def test_the_papers_model_cannot_say_it(self):
         curve = phase_curve(IBIS, "power", WakeModel(), {V: (0.8886, -0.1459), IN_LINE: (0.0, 0.0)})
         judged = judge_rules(phase_rule(curve)).set_index("rule")["holds"]
@@ -88,7 +101,13 @@ class TestRule:
         """Return the rule of a formation whose saving is a function of the spatial phase; NaN where it cannot fly."""
         rows = [
             dict.fromkeys([column.name for column in CURVE], 0.0)
-            | {"formation": V, "span_law": "tip", "phase": phase, "spatial_phase": wrapped(-phase)}
+            | {
+                "model": "limit",
+                "formation": V,
+                "span_law": "tip",
+                "phase": phase,
+                "spatial_phase": wrapped(-phase),
+            }
             | {"saving_cost": saving(wrapped(-phase))}
             for phase in np.arange(16) / 16
         ]

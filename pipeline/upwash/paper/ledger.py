@@ -35,6 +35,7 @@ from upwash.paper.claim import (
 )
 from upwash.paper.evidence import Evidence
 from upwash.paper.printed import SAID
+from upwash.study.sources import CLAIMS as CLAIMS_FILE
 
 OF = (of_table_1, of_lone_bird, of_optimum, of_search, of_forces, of_power, of_flock, of_speed, of_print)
 MEASURES = {name: measure for module in OF for name, measure in module.MEASURES.items()}
@@ -74,7 +75,7 @@ CLAIM_COLUMNS = (
 )
 """Columns of ``claims.parquet``."""
 
-FILE = "claims.parquet"
+FILE = CLAIMS_FILE
 
 NUMBER = ".4g"
 NOISE = 1e-9

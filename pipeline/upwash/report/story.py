@@ -11,6 +11,8 @@ from upwash.report import species_tables
 from upwash.report.figures import species_rows
 from upwash.report.figures.flocks import papers_flocks, series
 from upwash.report.flock_answer import open_explained, proof_in_v
+from upwash.report.limit_tables import limit_optima
+from upwash.report.phase_answer import rule_table, verdict_table
 from upwash.report.table import Table
 from upwash.report.tables import (
     GLOBAL,
@@ -27,6 +29,7 @@ from upwash.species.library import REFERENCE
 from upwash.study.comparison import compare, compare_objectives
 from upwash.study.mechanism import count_species, mechanism
 from upwash.study.observations import compare_with_observations
+from upwash.study.phase_rule import phase_rule
 from upwash.study.rows import best, objectives_of
 from upwash.study.sources import Sources
 
@@ -79,6 +82,13 @@ def _optima_tables(sources: Sources) -> list[Table]:
 
 def _basin_tables(sources: Sources) -> list[Table]:
     return [] if sources.pair is None else [basins(rows) for rows in by_objective(sources.pair).values()]
+
+
+def _limit_tables(sources: Sources) -> list[Table]:
+    if sources.limit is None:
+        return []
+    rule = phase_rule(sources.phase[sources.phase["model"] == "limit"])
+    return [limit_optima(sources.limit), rule_table(REFERENCE, "power", rule), verdict_table(rule)]
 
 
 def _flock_tables(sources: Sources) -> list[Table]:
@@ -156,6 +166,18 @@ CHAPTERS = (
         ("optima-map",),
         "It takes all optima of a pair.",
         tables=_basin_tables,
+    ),
+    Chapter(
+        "limit",
+        "The same equations, converged",
+        "The paper's model holds each wing in two positions, feels the wake at two points, and cuts it at one "
+        "wavelength. Refined in all three until nothing changes any more, the same equations say something else: for "
+        "least power the V is the best place of all and saves about a quarter as much, no distance is better than "
+        "another, and a wing should retrace the path of its leader's, as ibises do.",
+        ("limit-place", "limit-phase", "limit-claims"),
+        "It takes a pair in the limit by both laws of the follower's span, beside the pair of the paper's model.",
+        "limit",
+        _limit_tables,
     ),
     Chapter(
         "flock",

@@ -23,8 +23,8 @@ from upwash.study.intervals import HIGH, LOW
 SAMPLES, SEED = 32, 1
 """As in the sweep ``uncertainty``."""
 
-STARTS = 6
-"""Descents in each sample."""
+STARTS, OWN_STARTS = 16, 64
+"""Descents in each sample, and for the bird itself: of least force there are several basins of nearly one cost."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,10 @@ def limit_ranges(
     """
     ranges = []
     for law, of_law in birds.items():
-        own, *samples = (_savings(bird, model, objective, in_v, distance_m) for bird, model in of_law)
+        own, *samples = (
+            _savings(bird, model, objective, in_v, distance_m, STARTS if number else OWN_STARTS)
+            for number, (bird, model) in enumerate(of_law)
+        )
         frame = pd.DataFrame(samples, columns=["total", "cost"]).dropna()
         ends = {
             f"saving_{name}_{end}": float(frame[name].quantile(share)) if len(frame) else np.nan
@@ -96,7 +99,7 @@ def limit_ranges(
 
 
 def _savings(
-    bird: Any, model: WakeModel, objective: str, in_v: bool, distance_m: float | None
+    bird: Any, model: WakeModel, objective: str, in_v: bool, distance_m: float | None, starts: int
 ) -> tuple[float, float]:
     """Return the savings of total power and of the cost at one bird's best place; NaN if there is none."""
     if not isinstance(bird, Bird):
@@ -106,7 +109,7 @@ def _savings(
     bounds = problem.v_bounds() if in_v else problem.bounds
     if np.any(bounds[:, 0] > bounds[:, 1]):
         return np.nan, np.nan
-    for basin in search.descend(search.random_starts(bounds, STARTS)):
+    for basin in search.descend(search.random_starts(bounds, starts)):
         found = record(bird, objective, problem.ahead, problem.pose(basin.point), model)
         if not in_v or (found.placement, found.tier, found.station) == V_LABELS:
             return found.saving_total, 1.0 - found.cost / found.cost_leader

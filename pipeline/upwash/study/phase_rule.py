@@ -8,7 +8,7 @@ phase in turn, and flaps as it must to balance there, with as much amplitude as 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,7 @@ SHARPNESS = 1e-4
 """How closely the best phase is found, in wingbeats."""
 
 CURVE = (
+    of.column("model"),
     of.column("span_law"),
     Column("formation", "", f"{V} or {IN_LINE}", TEXT),
     of.column("x_m"),
@@ -66,7 +67,7 @@ CURVE = (
 """Columns of `phase_curve`, one row a formation, distance and phase."""
 
 RULE = (
-    *CURVE[:6],
+    *CURVE[:7],
     Column("phase_best", "1", "phase in which it saves most, or pays least", format=".3f"),
     Column(
         "spatial_phase_best", "1", "spatial phase x/lambda - kappa of that, from -0.5 to 0.5", format="+.3f"
@@ -133,7 +134,9 @@ def phase_curve(
                 )
             rows += tried
     frame = pd.DataFrame(rows, columns=[column.name for column in CURVE])
-    return frame.assign(span_law=model.span_law)
+    # One model by either span law.
+    name = replace(model, span_law="stroke").name(bird.wavelength_m / bird.semispan_m)
+    return frame.assign(model=name if model.is_endless else model.name(1.0), span_law=model.span_law)
 
 
 @dataclass(frozen=True)
@@ -199,10 +202,10 @@ def phase_rule(curve: pd.DataFrame) -> pd.DataFrame:
         The columns of `RULE`.
     """
     rows = []
-    for _, group in curve.groupby(["span_law", "formation", "x_wavelengths"], sort=False):
+    for _, group in curve.groupby(["model", "span_law", "formation", "x_wavelengths"], sort=False):
         flies = group[group["saving_cost"].notna()]
         grounded = group[group["saving_cost"].isna()]
-        row: dict[str, Any] = {column.name: group.iloc[0][column.name] for column in RULE[:6]}
+        row: dict[str, Any] = {column.name: group.iloc[0][column.name] for column in RULE[:7]}
         row["share_without_balance"] = len(grounded) / len(group)
         if len(flies):
             best = flies.sort_values("saving_cost", kind="stable").iloc[-1]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +11,15 @@ import numpy as np
 import pandas as pd
 
 from upwash import columns as of
+from upwash.aero.wake import WakeModel
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.store import Damaged, metadata_of, read_table
 from upwash.errors import UpwashError
+from upwash.jobs.bird import BIRD_COLUMNS
 from upwash.jobs.flock import Flock
 from upwash.jobs.kind import Kind
 from upwash.jobs.kinds import KINDS
+from upwash.shipped import shipped
 from upwash.species.library import LIBRARY_FOLDER, REFERENCE, load_species
 from upwash.study.intervals import KEYS
 from upwash.study.observations import read_observations
@@ -29,6 +32,12 @@ NUMBERS = tuple(
     for column in of.belonging(of.PROBLEM)
     if column.type == of.FLOAT and column.absent == of.NEVER
 )
+
+CLAIMS = "claims.parquet"
+"""File of the ledger of the paper's claims, in a results folder."""
+
+PHASE = shipped("results/reference/phase.csv")
+"""What the paper's bird saves in every phase, by the columns of `upwash.study.phase_rule.CURVE`."""
 
 # A parameter that is drawn as a line has at least so many values.
 LEAST_VALUES = 3
@@ -52,8 +61,14 @@ class Sources:
         All optima of least power of one bird at several airspeeds.
     samples : DataFrame or None
         All optima of the same species, their inputs sampled from their ranges.
+    limit : DataFrame or None
+        All optima of one bird behind an endless wake, for each objective and span law.
+    claims : DataFrame or None
+        The ledger of the paper's claims.
     observations : DataFrame
         What was measured on birds.
+    phase : DataFrame
+        What the paper's bird saves in every phase, kept with the code.
     folders : dict of str to Path
         Frame -> the folder that it was read from.
     """
@@ -64,7 +79,10 @@ class Sources:
     varied: pd.DataFrame | None
     speeds: pd.DataFrame | None
     samples: pd.DataFrame | None
+    limit: pd.DataFrame | None
+    claims: pd.DataFrame | None
     observations: pd.DataFrame
+    phase: pd.DataFrame
     folders: dict[str, Path]
 
 
@@ -105,21 +123,60 @@ def sort_studies(studies: Iterable[Study]) -> Sources:
 
     The first study that has a frame gives it; of those that vary inputs, the first that varies the most.
     """
-    frames: dict[str, pd.DataFrame | None] = {field.name: None for field in fields(Sources)[:6]}
+    always = ("observations", "phase", "folders")
+    frames: dict[str, pd.DataFrame | None] = {
+        field.name: None for field in fields(Sources) if field.name not in always
+    }
     folders: dict[str, Path] = {}
     for study in studies:
         for name, rows in _frames_of(study).items():
             if rows is not None and _is_better(name, rows, frames[name]):
                 frames[name], folders[name] = rows, study.path
-    return Sources(**frames, observations=read_observations(), folders=folders)
+    return Sources(**frames, observations=read_observations(), phase=read_phase(), folders=folders)
+
+
+def read_phase() -> pd.DataFrame:
+    """Return what the paper's bird saves in every phase, by the columns of `upwash.study.phase_rule.CURVE`."""
+    return pd.read_csv(PHASE).fillna({"missing": ""})
 
 
 def _frames_of(study: Study) -> dict[str, pd.DataFrame | None]:
+    if study.kind is Flock:
+        solved = study.rows[study.rows["status"] == of.SOLVED]
+        return {"flock": solved if len(solved) else None}
+    # Behind an endless wake distance is free and there are no states: what is drawn of a pair would not be true.
+    is_endless = np.isinf(study.rows["wavelengths"].astype(float))
+    ledger = study.path / CLAIMS
+    return {
+        "claims": pd.read_parquet(ledger) if ledger.exists() else None,
+        "limit": _limit(study.rows[is_endless]),
+        **_frames_of_ending(replace(study, rows=study.rows[~is_endless])),
+    }
+
+
+def _limit(rows: pd.DataFrame) -> pd.DataFrame | None:
+    """Return the rows of one bird in the limit by both span laws, the paper's if it is among them."""
+    model, solved = WakeModel.named("limit"), rows[rows["status"] == of.SOLVED]
+    same = (solved["core"] == model.core) & (solved["core_radius_ratio"] == model.core_radius_ratio)
+    rows = solved[same & (solved["stroke_rule"] == model.stroke_rule) & solved["span_nodes"].isna()]
+    if rows.empty:
+        return None
+    others = rows.assign(is_other=rows["species"] != REFERENCE)
+    first = others.sort_values(["is_other", "amplitude_convention"], kind="stable").iloc[0]
+    alike = rows["species"] == first["species"]
+    for name in BIRD_COLUMNS.values():
+        alike &= rows[name] == first[name]
+    jobs = rows[alike].drop_duplicates("job_id").drop_duplicates(["objective", "span_law"])
+    found = rows[rows["job_id"].isin(jobs["job_id"])]
+    in_v = found[found["is_v_optimum"].eq(True) & (found["objective"] == "power")]
+    return found if in_v["span_law"].nunique() > 1 else None
+
+
+def _frames_of_ending(study: Study) -> dict[str, pd.DataFrame | None]:
+    """Return the frames of wakes that end."""
     solved = study.rows[study.rows["status"] == of.SOLVED]
     if solved.empty:
         return {}
-    if study.kind is Flock:
-        return {"flock": solved}
     problems = study.rows.drop_duplicates([*PROBLEM, "objective"])
     pair = subject(solved)
     if not problems.duplicated(list(KEYS)).any():
