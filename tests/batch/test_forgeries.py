@@ -4,6 +4,7 @@ The alterations of single columns are made from the schema, so that a new column
 """
 
 import json
+import math
 from pathlib import Path
 
 import pyarrow as pa
@@ -79,6 +80,8 @@ def alterations(column, value):
         return [*others, f"{value}x", *([""] if value else [])]
     if column.type == of.INTEGER:
         return [*others, value + 1, value - 1]
+    if math.isinf(value):
+        return [*others, 1.0, -value, float("nan")]
     return [*others, 1.001 * value + 0.001, value - 1e-5 * abs(value) - 1e-6, -value - 1.0, float("nan")]
 
 
