@@ -74,4 +74,8 @@ def model_in_words(row: Mapping[str, Any] | pd.Series) -> list[str]:
         f"of {row['core_radius_ratio']:g} b",
         f"span by the {row['span_law']}",
     ]
-    return [f"wake: {name}: {', '.join(parts)}"]
+    lines = [f"wake: {name}: {', '.join(parts)}"]
+    if row["wavelengths"] == inf:
+        other = "tip" if row["span_law"] == "stroke" else "stroke"
+        lines.append(f"by the other law of the span (--set span_law={other}) other places and savings are found")
+    return lines
