@@ -158,11 +158,11 @@ def equations():
 
 @pytest.mark.parametrize(("label", "home"), equations())
 def test_an_equation_of_the_paper_is_named_once_where_it_is_implemented(label, home):
-    package, room, stem, name = home.split(".")[:4]
-    assert hasattr(importlib.import_module(f"{package}.{room}.{stem}"), name)
-    sources = [
-        path for room in ("aero", "optimum") for path in (ROOT / "pipeline" / "upwash" / room).glob("*.py")
-    ]
+    parts, source = home.split("."), ROOT / "pipeline"
+    files = {source.joinpath(*parts[:end]).with_suffix(".py"): end for end in range(2, len(parts))}
+    (path, end), *others = [(path, end) for path, end in files.items() if path.exists()]
+    assert not others and hasattr(importlib.import_module(".".join(parts[:end])), parts[end])
+    sources = [one for room in ("aero", "optimum") for one in (source / "upwash" / room).rglob("*.py")]
     cited = re.compile(rf"[(\s]{re.escape(label)}[),]")
-    found = [path.stem for path in sources for _ in cited.finditer(path.read_text(encoding="utf-8"))]
-    assert found == [stem]
+    found = [one for one in sources for _ in cited.finditer(one.read_text(encoding="utf-8"))]
+    assert found == [path]

@@ -77,5 +77,7 @@ def model_in_words(row: Mapping[str, Any] | pd.Series) -> list[str]:
     lines = [f"wake: {name}: {', '.join(parts)}"]
     if row["wavelengths"] == inf:
         other = "tip" if row["span_law"] == "stroke" else "stroke"
-        lines.append(f"by the other law of the span (--set span_law={other}) other places and savings are found")
+        lines.append(
+            f"by the other law of the span (--set span_law={other}) other places and savings are found"
+        )
     return lines
