@@ -6,6 +6,7 @@ the plain statement of the physics. Other birds are the ibis with lengths stretc
 
 from dataclasses import replace
 from hashlib import sha256
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -141,6 +142,22 @@ def limit_rows(species="northern-bald-ibis", **changes):
         inputs = IBIS | vars(model) | {"span_nodes": None, "model": model.name(6.25)} | changes
         row = row_of(species, objective, inputs, place, 0, model=model)
         rows.append(row | {"job_id": id_of(f"limit {species} {objective} {law}"), "is_v_optimum": is_v})
+    return rows
+
+
+def refinement_rows():
+    """Return a pair's optima as the model is refined; with eight points of the span there is no V."""
+    rows = limit_rows()
+    for states, nodes, length in product((2, 4, 8), (2, 4, 8), (1, 2, 4)):
+        model = {"stroke_states": states, "span_nodes": nodes, "wavelengths": length, "model": "given"}
+        rows += [
+            row
+            | {"job_id": id_of(f"{states} {nodes} {length} {row['objective']}")}
+            | {"saving_total": saving}
+            for row in pair_rows(**model)
+            for saving in [0.3 / states + 0.1 / nodes - 0.01 * length - 0.01 * row["rank"]]
+            if not (nodes == 8 and row["is_v_optimum"])
+        ]
     return rows
 
 

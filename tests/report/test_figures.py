@@ -93,6 +93,7 @@ def everything(pair, flock, species, varied, limit):
         ),
         samples=None,
         limit=limit,
+        refinement=studies.frame(studies.refinement_rows()),
         claims=kept(),
         observations=read_observations(),
         phase=sources.read_phase(),
@@ -559,6 +560,24 @@ class TestLimit:
             assert np.abs(in_line[grounded, 0]).max() < 0.1 and grounded.sum() > 2
             assert np.nanmax(in_line[:, 1]) < 0.0 < in_v[:, 1].min()
 
+    def test_refining_goes_from_the_papers_model_to_the_finest_one_thing_at_a_time(self, everything):
+        figure = FIGURES["refinement"].draw(everything.refinement)
+        paper = line(figure, "saving_total stroke_states others as in the paper is_v_optimum")
+        assert paper[:, 1] == pytest.approx([0.3 / n + 0.05 - 0.01 - 0.01 for n in (2, 4, 8)])
+        refined = line(figure, "saving_total wavelengths others refined is_global_optimum")
+        assert refined[:, 1] == pytest.approx([0.3 / 8 + 0.1 / 8 - 0.01 * n for n in (1, 2, 4)])
+        assert line(figure, "limit saving_total span_nodes")[0, 1] == pytest.approx(0.0441, abs=1e-3)
+
+    def test_refining_breaks_a_line_where_there_is_no_v(self, everything):
+        figure = FIGURES["refinement"].draw(everything.refinement)
+        nodes = line(figure, "saving_total span_nodes others as in the paper is_v_optimum")
+        assert np.isnan(nodes[:, 1]).tolist() == [False, False, True]
+
+    @pytest.mark.parametrize("axis", ["stroke_states", "span_nodes", "wavelengths"])
+    def test_refining_takes_all_three(self, axis):
+        rows = [row for row in studies.refinement_rows() if row[axis] in (studies.IBIS[axis], None, np.inf)]
+        assert sources._refinement(studies.frame(rows)) is None
+
     def test_a_claim_keeps_its_place_in_both_panels(self, everything):
         claims = everything.claims
         figure = FIGURES["limit-claims"].draw(claims)
@@ -583,6 +602,7 @@ def folders(tmp_path_factory):
         "species": studies.write_folder(root / "species", studies.species_rows()),
         "varied": studies.write_folder(root / "varied", studies.varied_rows()),
         "limit": studies.write_folder(root / "limit", studies.limit_rows()),
+        "refinement": studies.write_folder(root / "refinement", studies.refinement_rows()),
     }
 
 
@@ -591,7 +611,9 @@ class TestSources:
         for name, path in folders.items():
             found = sources.sort_studies([sources.read_study(path)])
             assert name in found.folders
-            assert {"species", "varied", "flock", "limit"} & set(found.folders) == {name} - {"pair"}
+            shown = {name} - {"pair"} | ({"limit", "varied"} if name == "refinement" else set())
+            told = {"species", "varied", "flock", "limit", "refinement"} & set(found.folders)
+            assert told == shown
 
     def test_an_endless_wake_gives_no_frame_of_wakes_that_end(self, folders):
         assert set(sources.sort_studies([sources.read_study(folders["limit"])]).folders) == {"limit"}

@@ -80,7 +80,7 @@ class TestLoading:
             name
             for chapter in CHAPTERS
             for name in chapter.figures
-            if not name.startswith(("species", "speed", "parameter"))
+            if not name.startswith(("species", "speed", "parameter", "refinement"))
         ]
         assert len(widths) == len(shown) == 13
         assert all(width > 300 for width in widths)

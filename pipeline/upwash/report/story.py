@@ -174,7 +174,7 @@ CHAPTERS = (
         "wavelength. Refined in all three until nothing changes any more, the same equations say something else: for "
         "least power the V is the best place of all and saves about a quarter as much, no distance is better than "
         "another, and a wing should retrace the path of its leader's, as ibises do.",
-        ("limit-place", "limit-phase", "limit-claims"),
+        ("limit-place", "limit-phase", "limit-claims", "refinement"),
         "It takes a pair in the limit by both laws of the follower's span, beside the pair of the paper's model.",
         "limit",
         _limit_tables,

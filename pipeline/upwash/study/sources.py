@@ -63,6 +63,8 @@ class Sources:
         All optima of the same species, their inputs sampled from their ranges.
     limit : DataFrame or None
         All optima of one bird behind an endless wake, for each objective and span law.
+    refinement : DataFrame or None
+        All optima of one bird as states, points of the span and wavelengths are refined.
     claims : DataFrame or None
         The ledger of the paper's claims.
     observations : DataFrame
@@ -80,6 +82,7 @@ class Sources:
     speeds: pd.DataFrame | None
     samples: pd.DataFrame | None
     limit: pd.DataFrame | None
+    refinement: pd.DataFrame | None
     claims: pd.DataFrame | None
     observations: pd.DataFrame
     phase: pd.DataFrame
@@ -150,6 +153,7 @@ def _frames_of(study: Study) -> dict[str, pd.DataFrame | None]:
     return {
         "claims": pd.read_parquet(ledger) if ledger.exists() else None,
         "limit": _limit(study.rows[is_endless]),
+        "refinement": _refinement(study.rows),
         **_frames_of_ending(replace(study, rows=study.rows[~is_endless])),
     }
 
@@ -170,6 +174,19 @@ def _limit(rows: pd.DataFrame) -> pd.DataFrame | None:
     found = rows[rows["job_id"].isin(jobs["job_id"])]
     in_v = found[found["is_v_optimum"].eq(True) & (found["objective"] == "power")]
     return found if in_v["span_law"].nunique() > 1 else None
+
+
+# What of a model is refined.
+REFINED = ("stroke_states", "span_nodes", "wavelengths")
+
+
+def _refinement(rows: pd.DataFrame) -> pd.DataFrame | None:
+    """Return the optima of one bird if all that makes the paper's model coarse is refined."""
+    solved = rows[rows["status"] == of.SOLVED]
+    ending = solved[(solved["wavelengths"] < np.inf) & (solved["objective"] == "power")]
+    if ending.empty or solved["species"].nunique() > 1 or (ending[list(REFINED)].nunique() < 2).any():
+        return None
+    return solved
 
 
 def _frames_of_ending(study: Study) -> dict[str, pd.DataFrame | None]:
