@@ -24,6 +24,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "optimum": ("solve", "Find the best positions of one bird behind another."),
         "flock": ("solve", "Chain pairs into a flock."),
         "phase": ("phase", "Find the best phase against distance, in a V and in line."),
+        "robust": ("robust", "Say what is left of the best saving while a bird drifts."),
         "field": ("pictures", "Map the force on a follower over a plane."),
         "animate": ("pictures", "Animate a flock flapping in its wakes."),
     },
