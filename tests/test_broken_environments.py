@@ -34,6 +34,7 @@ COMMANDS = {
     "species new": ["species", "new", "Common shelduck"],
     "optimum": ["optimum", IBIS, "--all"],
     "phase": ["phase", IBIS, "--model", "paper"],
+    "robust": ["robust", IBIS, "--sigma", "0"],
     "flock": ["flock", IBIS, "--birds", "2"],
     "field": ["field", IBIS, "--size", "4"],
     "animate": ["animate", IBIS, "--birds", "2"],

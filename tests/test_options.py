@@ -34,6 +34,7 @@ CALLS = {
     "flock": [IBIS],
     # The ibis's own amplitude is that of either convention.
     "phase": ["mute-swan"],
+    "robust": ["mute-swan"],
     "field": [IBIS],
     "animate": [IBIS],
     "run": ["./sweep.toml"],
@@ -59,6 +60,9 @@ VALUES = {
     "--size": "9",
     "--model": "limit",
     "--wavelengths": "2",
+    "--sigma": "0.3",
+    "--sigma-m": "0.02",
+    "--sigma-phase": "0.1",
 }
 # An option that needs another: how the command is called without its effect, and with it.
 TOGETHER = {
@@ -171,6 +175,7 @@ def see(template, tmp_path, monkeypatch):
     stand_in("upwash.optimum.joint.improve_together", stop)
     stand_in("upwash.study.limit_ranges.limit_ranges", lambda *given: [])
     stand_in("upwash.study.phase_rule.phase_rules", lambda *given: studies.phase_frames())
+    stand_in("upwash.study.robustness.robustness", lambda *given: studies.drift_frame())
     stand_in("upwash.report.figures.catalogue.save_all", lambda *given: [])
     stand_in("upwash.report.animation.write_animation", lambda birds, path: None)
     stand_in("upwash.batch.runner.run_sweep", lambda *given: Tally(jobs=1, kept=0))

@@ -21,6 +21,7 @@ from upwash.jobs.kinds import KINDS
 from upwash.jobs.schema import table_of
 from upwash.optimum.record import record
 from upwash.study.phase_rule import CURVE, IN_LINE, V, phase_rule, wrapped
+from upwash.study.robustness import ROBUSTNESS, V_FORMATION
 
 PAPER = WakeModel()
 
@@ -270,3 +271,10 @@ def phase_frames():
             )
     curve = pd.DataFrame(rows, columns=[column.name for column in CURVE])
     return phase_rule(curve), curve
+
+
+def drift_frame():
+    """Return what is left while a bird drifts, as `upwash.study.robustness.robustness` does."""
+    words = {"species": "northern-bald-ibis", "objective": "power", "model": "paper", "span_law": "tip"}
+    numbers = {column.name: 0.05 for column in ROBUSTNESS}
+    return pd.DataFrame([numbers | words | {"region": V_FORMATION, "half_width_x_m_nearer": np.nan}])
