@@ -223,6 +223,12 @@ class TestContent:
         assert "1.82 m behind, 0.88 m aside and 0.06 m below" in answer
         assert "not the best of all" in answer
 
+    def test_the_short_answer_says_both_models(self, written):
+        told = written.read_text(encoding="utf-8")
+        assert "saves 16.6 % of its power" in told
+        assert "fly 1.81 or 1.38 semispans aside, at any distance" in told
+        assert "saves 4.1 % or 4.4 % of its power, by the stroke or the tip law" in told
+
     def test_table_1_stands_beside_ours(self, page):
         assert "1.83" in column(page, "optimum-1", 3)
 

@@ -214,7 +214,9 @@ def short_answer(sources: Sources) -> list[str]:
     """Return what was found of the pair, one sentence or two for each objective."""
     pair = sources.pair
     if pair is None:
-        return ["These results single out no bird whose optimum could be shown here."]
+        return _in_the_limit(sources) or [
+            "These results single out no bird whose optimum could be shown here."
+        ]
     name = common_name(pair["species"].iloc[0]).lower()
     sentences = []
     for objective in objectives_of(pair):
@@ -239,4 +241,24 @@ def short_answer(sources: Sources) -> list[str]:
                 f"aside ({optima[GLOBAL]['placement']}) costs {percent(gap / (1.0 + gap), 2)} less."
             )
         sentences.append(sentence)
-    return sentences
+    return sentences + _in_the_limit(sources)
+
+
+def _in_the_limit(sources: Sources) -> list[str]:
+    """Return what is found of a bird in the limit, in a sentence, if it was solved there."""
+    if sources.limit is None:
+        return []
+    of_power = sources.limit[(sources.limit["objective"] == "power") & sources.limit["is_v_optimum"].eq(True)]
+    rows = {row["span_law"]: row for _, row in of_power.sort_values("span_law", kind="stable").iterrows()}
+    aside, saved = (
+        " or ".join(words(row) for row in rows.values())
+        for words in (
+            lambda row: f"{row['y_m'] / row['semispan_m']:.2f}",
+            lambda row: percent(row["saving_total"], 1),
+        )
+    )
+    name, laws = common_name(of_power["species"].iloc[0]).lower(), " or the ".join(rows)
+    return [
+        f"Converged, in the limit, least power has a {name} fly {aside} semispans aside, at any distance, its wingtips "
+        f"retracing the path of the leader's, and saves {saved} of its power, by the {laws} law of the follower's span."
+    ]

@@ -123,6 +123,7 @@ def draw(refinement: pd.DataFrame) -> Figure:
             letter(axes, next(names), words.partition(" ")[0].capitalize())
         line[0].set_ylabel(label)
     in_percent(panels[0, 0].yaxis)
+    panels[0, 0].set_ylim(bottom=min(0.0, panels[0, 0].get_ylim()[0]))
     kinds = [
         dot("V optimum", color=FAINT, marker="o"),
         dot("best of all", color=FAINT, marker="o", markerfacecolor="white"),
