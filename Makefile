@@ -31,6 +31,7 @@ reference: $(VENV)/installed  ## renew results/reference/ and what shows it in R
 	$(BIN)/python tools/renew_phase.py
 	$(BIN)/python tools/renew_reference.py
 	$(BIN)/python tools/renew_claims.py
+	$(BIN)/python tools/renew_literature.py
 
 wheel: $(VENV)/installed-dev  ## build a wheel, and try it in a fresh environment and an empty folder
 	$(BIN)/python tools/try_wheel.py

@@ -48,6 +48,7 @@ COMMANDS = {
     "diff": ["diff", RESULTS, RESULTS],
     "page": ["page", RESULTS],
     "claims": ["claims", RESULTS],
+    "literature": ["literature"],
     "a mistake": ["optimum", "no-such-bird"],
 }
 # Runs the commands above one after another, for minutes.

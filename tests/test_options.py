@@ -19,6 +19,7 @@ from upwash.batch.runner import Tally
 from upwash.errors import UpwashError
 from upwash.jobs.flock import Flock
 from upwash.jobs.run import Ended
+from upwash.literature.ledger import read_kept
 
 IBIS = "northern-bald-ibis"
 RESULTS = "results/pair"
@@ -48,6 +49,7 @@ CALLS = {
     "page": [RESULTS],
     "reproduce": [],
     "claims": [RESULTS],
+    "literature": [],
 }
 # What is chosen where it does not follow from the option's type.
 VALUES = {
@@ -176,6 +178,7 @@ def see(template, tmp_path, monkeypatch):
     stand_in("upwash.study.limit_ranges.limit_ranges", lambda *given: [])
     stand_in("upwash.study.phase_rule.phase_rules", lambda *given: studies.phase_frames())
     stand_in("upwash.study.robustness.robustness", lambda *given: studies.drift_frame())
+    stand_in("upwash.literature.ledger.judge_literature", read_kept)
     stand_in("upwash.report.figures.catalogue.save_all", lambda *given: [])
     stand_in("upwash.report.animation.write_animation", lambda birds, path: None)
     stand_in("upwash.batch.runner.run_sweep", lambda *given: Tally(jobs=1, kept=0))

@@ -42,6 +42,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     "The paper": {
         "reproduce": ("reproduce", "Redo the paper, and print its table beside ours."),
         "claims": ("claims", "Judge each claim of the paper by our numbers."),
+        "literature": ("literature", "Set what others published beside both models."),
     },
 }
 
