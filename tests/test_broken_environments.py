@@ -38,6 +38,7 @@ COMMANDS = {
     "flock": ["flock", IBIS, "--birds", "2"],
     "field": ["field", IBIS, "--size", "4"],
     "animate": ["animate", IBIS, "--birds", "2"],
+    "explore": ["explore", IBIS],
     "run": ["run", "./sweep.toml", "--json"],
     "merge": ["merge", "results/merged", RESULTS],
     "status": ["status", RESULTS],
@@ -69,6 +70,7 @@ WRITING = {
     "species new": ["species", "new", "Common shelduck", "--folder", "DIR"],
     "field": ["field", IBIS, "--size", "4", "--output", "DIR"],
     "animate": ["animate", IBIS, "--birds", "2", "--output", "DIR/flock.gif"],
+    "explore": ["explore", IBIS, "--output", "DIR/explorer.html"],
     "run": ["run", "./more.toml", "--results", "DIR"],
     "merge": ["merge", "DIR", RESULTS],
 }
@@ -108,6 +110,7 @@ def serve():
     from upwash.batch import aggregate, check, merge, runner  # noqa: F401
     from upwash.optimum.pair import solve_pair
     from upwash.report import animation, page  # noqa: F401
+    from upwash.report.explorer import page as explorer  # noqa: F401
     from upwash.species import load_library, load_species
 
     # The kernels are loaded once as well.

@@ -33,6 +33,7 @@ MAY_IMPORT = {
         "literature",
         "optimum",
         "paper",
+        "place",
         "species",
         "study",
     },

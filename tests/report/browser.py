@@ -160,6 +160,10 @@ class Browser:
         assert "exceptionDetails" not in answer, answer.get("exceptionDetails")
         return answer["result"].get("value")
 
+    def give(self, name, value):
+        """Let the page have a value by a global name."""
+        self.run(f"globalThis[{json.dumps(name)}] = {json.dumps(value)}; 0")
+
     def press(self, key, code=0, text=""):
         """Press and release a key."""
         event = {"key": key, "windowsVirtualKeyCode": code}

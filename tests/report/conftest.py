@@ -1,9 +1,13 @@
-"""Rows of results as the batch layer stores them, with figures that are easy to check by eye."""
+"""A browser; and rows of results as the batch layer stores them, with figures that are easy to check by eye."""
+
+import os
 
 import pandas as pd
 import pytest
 from upwash import columns as of
 from upwash.aero.wake import WakeModel
+
+from report.browser import Browser, find_browser
 
 IBIS = {
     "species": "northern-bald-ibis",
@@ -102,3 +106,14 @@ def one_optimum():
 def inboard_alone():
     """A job without a V optimum; no V formation can fly at all."""
     return rows_of_a_job(INBOARD, v_lower_bound=None, v_certified_gap=None)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A headless Chromium, which CI must have."""
+    if find_browser() is None:
+        if os.environ.get("CI") == "true":
+            pytest.fail("expected a Chromium in CI, found none; .ci/run installs it")
+        pytest.skip("no Chromium on this machine: apt-get install chromium, or let CI run this")
+    with Browser() as one:
+        yield one

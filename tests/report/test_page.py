@@ -1,6 +1,5 @@
 """The page in a real browser: it loads, sorts, asks nobody, and reads well by eye, keyboard and voice."""
 
-import os
 import re
 
 import pytest
@@ -15,7 +14,6 @@ from upwash.report.table import Table
 from upwash.report.words import true_minus
 
 from report import studies
-from report.browser import Browser, find_browser
 
 SWEEP = """# A pair & its <flock>.
 description = "The ibis's pair, & more"
@@ -32,16 +30,6 @@ def written(tmp_path_factory):
     limit = studies.write_folder(root / "limit", studies.limit_rows())
     write_claims(kept(), pair)
     return write_page(pair, flock, limit)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    if find_browser() is None:
-        if os.environ.get("CI") == "true":
-            pytest.fail("expected a Chromium in CI, found none; .ci/run installs it")
-        pytest.skip("no Chromium on this machine: apt-get install chromium, or let CI run this")
-    with Browser() as one:
-        yield one
 
 
 @pytest.fixture

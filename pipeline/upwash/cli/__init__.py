@@ -27,6 +27,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "robust": ("robust", "Say what is left of the best saving while a bird drifts."),
         "field": ("pictures", "Map the force on a follower over a plane."),
         "animate": ("pictures", "Animate a flock flapping in its wakes."),
+        "explore": ("explore", "Write a page on which to drag a follower about."),
     },
     "Sweeps over many": {
         "run": ("runs", "Solve every job of a sweep; finished jobs are kept."),

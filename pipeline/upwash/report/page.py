@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import hashlib
 import json
 import math
 import os
@@ -23,13 +22,17 @@ from upwash.batch.folder import ResultsFolder
 from upwash.batch.store import write_atomic
 from upwash.paper.ledger import FILE
 from upwash.report.claims import counts, ledger_shown
+from upwash.report.explorer.page import write_explorer
 from upwash.report.figures.catalogue import FIGURES, FOLDER, draw_figures
+from upwash.report.policy import policy
 from upwash.report.story import CHAPTERS, Chapter, short_answer
 from upwash.report.table import Table
 from upwash.report.words import true_minus
+from upwash.species import Species, load_species
+from upwash.species.library import library_paths
 from upwash.study.sources import Sources, Study, read_study, sort_studies
 
-PAGE = "index.html"
+PAGE, EXPLORER = "index.html", "explorer.html"
 TEMPLATES = files("upwash.report") / "templates"
 
 MOST_ROWS = 400
@@ -53,7 +56,8 @@ def write_page(results: str | os.PathLike[str], *more: str | os.PathLike[str]) -
     Parameters
     ----------
     results : str or path
-        Results folder; the page is ``index.html`` in it, the figures are in its folder ``figures``.
+        Results folder; the page is ``index.html`` in it, the explorer ``explorer.html``, the figures are in its
+        folder ``figures``.
     *more : str or path
         Other results folders, for what the first does not hold.
 
@@ -71,6 +75,7 @@ def write_page(results: str | os.PathLike[str], *more: str | os.PathLike[str]) -
     studies = [read_study(Path(path)) for path in (results, *more)]
     sources = sort_studies(studies)
     draw_figures(sources, folder / FOLDER)
+    write_explorer(folder / EXPLORER, species=_first_of_library(studies[0]))
     path = folder / PAGE
     write_atomic(path, render(folder, studies, sources).encode())
     return path
@@ -99,10 +104,19 @@ def render(folder: Path, studies: list[Study], sources: Sources) -> str:
         downloads=_downloads(folder, studies),
         provenance=[_provenance(study, folder) for study in studies],
         command=command,
+        explorer=EXPLORER,
         style=texts["css"],
         script=texts["js"],
-        policy=_policy(**texts),
+        policy=policy(**texts),
     )
+
+
+def _first_of_library(study: Study) -> Species | None:
+    """Return the first of a study's species that is one of the library, with which the explorer begins."""
+    library = {path.stem: path for path in library_paths()}
+    known = (library[name] for name in study.rows["species"].dropna().unique() if name in library)
+    path = next(known, None)
+    return load_species(path) if path else None
 
 
 def subscripts(text: str) -> markupsafe.Markup:
@@ -110,18 +124,6 @@ def subscripts(text: str) -> markupsafe.Markup:
     escaped = str(markupsafe.escape(text))
     low = r"\b([A-Za-zΓβκ])_([A-Z]|\d+|(?<=I_)[xz](?=/)|(?<=β_)[ud]{2})(?![A-Za-z_])"
     return markupsafe.Markup(re.sub(low, r"\1<sub>\2</sub>", escaped))
-
-
-def _policy(css: str, js: str) -> str:
-    """Return a content security policy under which the page can load nothing from anywhere."""
-    hashes = {
-        name: base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
-        for name, text in (("css", css), ("js", js))
-    }
-    return (
-        f"default-src 'none'; img-src data:; style-src 'sha256-{hashes['css']}'; script-src "
-        f"'sha256-{hashes['js']}'; base-uri 'none'; form-action 'none'"
-    )
 
 
 def _title(study: Study) -> tuple[str, str]:
