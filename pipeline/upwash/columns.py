@@ -195,8 +195,21 @@ STATUSES = (SOLVED, INFEASIBLE, FAILED)
 
 
 def cause_of(error: str | None) -> str:
-    """Return what kind of thing went wrong: what stands before the first colon of an error."""
+    """Return what kind of thing went wrong.
+
+    A row has one column for that, `error`, which is ``cause: reason``; here alone it is taken apart.
+
+    Examples
+    --------
+    >>> cause_of("no balance: nowhere to fly"), reason_of("no balance: nowhere to fly")
+    ('no balance', 'nowhere to fly')
+    """
     return (error or "").partition(":")[0][:60]
+
+
+def reason_of(error: str) -> str:
+    """Return why it went wrong: an error without its cause, see `cause_of`."""
+    return error.partition(": ")[2] or error
 
 
 _COST = "N, W or J/m"

@@ -117,18 +117,34 @@ def _row(judged: Judgement, limit: Judgement) -> dict[str, object]:
         "accepted_low": accepted.least if math.isfinite(accepted.low) else None,
         "accepted_high": accepted.most if math.isfinite(accepted.high) else None,
         "cases": _written(judged.cases),
-        "exceptions": "; ".join(judged.exceptions),
+        "exceptions": BETWEEN.join(judged.exceptions),
         "verdict": judged.verdict,
         "why": judged.why,
         "limit_cases": _written(limit.cases, LIMIT_NOISE),
-        "limit_exceptions": "; ".join(limit.exceptions),
+        "limit_exceptions": BETWEEN.join(limit.exceptions),
         "limit_verdict": limit.verdict,
         "limit_why": limit.why,
     }
 
 
+BETWEEN = "; "
+"""What stands between the cases of a row: a ledger is a table of texts, which `cases_in` takes apart again."""
+
+
 def _written(cases: Cases, noise: float = NOISE) -> str:
-    return "; ".join(f"{case} {_number(value, noise)}" for case, value in cases.items())
+    return BETWEEN.join(f"{case} {_number(value, noise)}" for case, value in cases.items())
+
+
+def cases_in(cases: str, exceptions: str) -> list[tuple[str, bool]]:
+    """Return each case of a row with its value, as it is written there, and whether it is not as claimed.
+
+    Examples
+    --------
+    >>> cases_in("force 1.2; power 3.4", "power")
+    [('force 1.2', False), ('power 3.4', True)]
+    """
+    unlike = exceptions.split(BETWEEN)
+    return [(case, case.rpartition(" ")[0] in unlike) for case in cases.split(BETWEEN) if case]
 
 
 def _number(value: float, noise: float) -> str:

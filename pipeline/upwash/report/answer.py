@@ -49,10 +49,8 @@ def answer(rows: pd.DataFrame, show_all: bool = False, ranges: Sequence[LimitRan
 
 def _nothing_found(row: Any) -> str:
     """Say that there is no follower, and whether that is proved."""
-    # An error begins with what kind of thing it is.
-    cause = row["error"].partition(": ")[2] or row["error"]
     proved = {PROVED: " (this is proved)", OPEN: " (open: none was found, which is no proof)"}
-    return f"no optimum: {cause}{proved.get(claims_of(row).everywhere, '')}"
+    return f"no optimum: {of.reason_of(row['error'])}{proved.get(claims_of(row).everywhere, '')}"
 
 
 def _no_v_optimum(row: Any) -> str:

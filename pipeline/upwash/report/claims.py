@@ -15,7 +15,7 @@ from upwash.paper.claim import (
     NOT_RUN,
     PAPER_ALONE,
 )
-from upwash.paper.ledger import NUMBER, tally
+from upwash.paper.ledger import BETWEEN, NUMBER, cases_in, tally
 from upwash.report.table import Table
 from upwash.report.words import true_minus
 
@@ -128,11 +128,8 @@ def _in_limit(row: Any, bold: str = "**") -> str:
 
 def _marked(cases: str, exceptions: str) -> str:
     """Return the cases with those that are not as claimed in bold."""
-    bold = exceptions.split("; ")
-    written = [
-        f"**{case}**" if case.rpartition(" ")[0] in bold else case for case in cases.split("; ") if cases
-    ]
-    return "; ".join(written) or "-"
+    written = (f"**{case}**" if is_bold else case for case, is_bold in cases_in(cases, exceptions))
+    return BETWEEN.join(written) or "-"
 
 
 def _accepted(ledger: pd.DataFrame) -> list[str]:
