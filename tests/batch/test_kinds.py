@@ -6,7 +6,7 @@ import pyarrow.parquet as pq
 import pytest
 from other_kind import Line
 from upwash.jobs import kinds
-from upwash.sweep import file, read_sweep
+from upwash.sweep import read_sweep
 
 SWEEP = """\
 kind = "line"
@@ -21,7 +21,6 @@ birds = 4
 def lines(bench, monkeypatch):
     """A sweep of another kind, and the kind made known."""
     monkeypatch.setitem(kinds.KINDS, Line.name, Line)
-    monkeypatch.setattr(file, "BLOCK_KEYS", (*file.BLOCK_KEYS, Line.name))
     (bench.folder / "sweep.toml").write_text(SWEEP)
     return bench
 

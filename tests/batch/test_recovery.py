@@ -9,7 +9,8 @@ import pyarrow.parquet as pq
 import pytest
 from conftest import kill, wait_until
 from upwash.batch import gather
-from upwash.batch.folder import Entry, ResultsFolder, Shard, journal_line
+from upwash.batch.folder import ResultsFolder, Shard
+from upwash.batch.journal import Stretch, journal_line, read_journals
 from upwash.batch.row_checks import RESIDUAL_LIMIT, residuals
 
 
@@ -18,13 +19,13 @@ class TestJournal:
         bench.sweep("two_optima", 3)
         bench.run()
         path = bench.results / "journal-1-of-1.csv"
-        before = ResultsFolder(bench.results).read_journals()
+        before = read_journals(ResultsFolder(bench.results))
         assert (len(before.begun), sum(entry.jobs for entry in before.done)) == (1, 3)
         path.write_bytes(path.read_bytes().rstrip(b"\n")[:-9])
         torn = path.read_bytes().splitlines()[-1]
         bench.sweep("two_optima", 5)
         bench.run()
-        after = ResultsFolder(bench.results).read_journals()
+        after = read_journals(ResultsFolder(bench.results))
         assert len(after.begun) == 2
         # The last batch of three jobs is told no more; two jobs are new.
         assert sum(entry.jobs for entry in after.done) == sum(entry.jobs for entry in before.done[:-1]) + 2
@@ -34,10 +35,10 @@ class TestJournal:
         "rest", ["", "done,", "done,12,x,3\n", "run,yesterday,3\n", "\x00\x00\n", "run,1,2,3\n"]
     )
     def test_lines_that_say_nothing_are_passed_over(self, tmp_path, rest):
-        line = journal_line(Entry(5.0, 2, 0.25))
+        line = journal_line(Stretch(5.0, 2, 0.25))
         (tmp_path / "journal-1-of-2.csv").write_text("run,4.000,9\n" + rest + "\n" + line)
-        found = ResultsFolder(tmp_path).read_journals()
-        assert (found.begun, found.done) == ([4.0], [Entry(5.0, 2, 0.25)])
+        found = read_journals(ResultsFolder(tmp_path))
+        assert (found.begun, found.done) == ([4.0], [Stretch(5.0, 2, 0.25)])
 
     def test_that_is_gone_costs_nothing_but_the_rate(self, bench):
         bench.sweep("two_optima", 3)
@@ -292,11 +293,11 @@ class TestOptions:
             bench.sweep("slow", 8)
         journal = bench.results / "journal-1-of-1.csv"
         now = time.time()
-        journal.write_text(f"run,{now - 100:.3f},9\n" + journal_line(Entry(now - 50, 5, 1.0)) * 4)
+        journal.write_text(f"run,{now - 100:.3f},9\n" + journal_line(Stretch(now - 50, 5, 1.0)) * 4)
         with ResultsFolder(bench.results).locked():
             # Twenty jobs in a hundred seconds.
             assert bench.status()["jobs_per_s"] == pytest.approx(0.2, rel=0.2)
-        old, late = journal_line(Entry(now - 1900, 100, 1.0)), journal_line(Entry(now - 300, 6, 1.0))
+        old, late = journal_line(Stretch(now - 1900, 100, 1.0)), journal_line(Stretch(now - 300, 6, 1.0))
         journal.write_text(f"run,{now - 9000:.3f},9\n" + old + f"run,{now - 2000:.3f},9\n" + old + late)
         with ResultsFolder(bench.results).locked():
             # What was done of late counts, and earlier runs do not.

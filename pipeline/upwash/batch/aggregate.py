@@ -14,6 +14,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from upwash.batch.folder import RETIRED, SUMMARY, Plan, ResultsFolder
+from upwash.batch.journal import journals_of
 from upwash.batch.merging import merged, only, sources_of, without
 from upwash.batch.recovery import verified_index
 from upwash.batch.store import TableWriter, merged_provenance, replacing, sync
@@ -48,7 +49,7 @@ def aggregate(folder: ResultsFolder, tell: Callable[[str], None]) -> Gathered:
         gathered = [*map(folder.job_file, folder.job_ids()), *folder.part_files()]
         _write_tables(folder, plan, ids)
         sync(folder.path)
-        for path in (*gathered, *folder.journals()):
+        for path in (*gathered, *journals_of(folder)):
             path.unlink()
         with suppress(OSError):
             folder.parts.rmdir()

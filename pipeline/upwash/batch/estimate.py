@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from upwash.batch.folder import SUMMARY, ResultsFolder
+from upwash.batch.journal import read_journals
 
 if TYPE_CHECKING:
     from upwash.jobs.job import Job
@@ -74,7 +75,7 @@ def estimate(jobs: Sequence[Job], folder: ResultsFolder, tell: Callable[[str], N
 
 def _experience(folder: ResultsFolder) -> tuple[float, int]:
     """Return the time that the jobs done in this folder took in all, and their number."""
-    if done := folder.read_journals().done:
+    if done := read_journals(folder).done:
         return sum(entry.seconds for entry in done), sum(entry.jobs for entry in done)
     summary = folder.path / SUMMARY
     if not summary.exists() or "solve_time_s" not in folder.kind().summary.names:

@@ -30,7 +30,6 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from secrets import token_hex
-from typing import IO, NamedTuple
 
 import pyarrow as pa
 
@@ -47,37 +46,10 @@ PART = re.compile(r"(\d+)-(\d+-of-\d+)-[0-9a-f]{8}\.parquet")
 # `in_use` tries the lock too, for a moment; a run that meets it waits so long before it gives up.
 LOCK_PATIENCE_S = 1.0
 
-RUN, DONE = "run", "done"
-"""How a line of a journal begins: when a run began, or some of its jobs were done."""
-
 OF_OWN = ("name", "unit", "description", "type")
 """What is said of a column that the sweep's own solver declares."""
 
 PLAN, RETIRED, SUMMARY = "plan.json", "retired.parquet", "summary.parquet"
-
-
-class Entry(NamedTuple):
-    """One line of a journal: that some jobs were done, when, and how long workers were busy with them."""
-
-    time: float
-    jobs: int
-    seconds: float
-
-
-@dataclass(frozen=True)
-class Journals:
-    """What the journals say.
-
-    Parameters
-    ----------
-    begun : list of float
-        When each run began, in seconds since 1970.
-    done : list of Entry
-        What was done, in order of time.
-    """
-
-    begun: list[float]
-    done: list[Entry]
 
 
 @dataclass(frozen=True)
@@ -300,44 +272,6 @@ class ResultsFolder:
         self.corrupt.mkdir(exist_ok=True)
         names = (f"{path.name}.{number}" if number else path.name for number in itertools.count())
         return next(self.corrupt / name for name in names if not (self.corrupt / name).exists())
-
-    # The journal
-
-    def journals(self) -> list[Path]:
-        """Return the journals of all runs and shards."""
-        return sorted(self.path.glob("journal-*.csv"))
-
-    def open_journal(self, shard: Shard, jobs_to_do: int) -> IO[str]:
-        """Open a journal to append to, and note that a run begins."""
-        path = self.path / f"journal-{shard}.csv"
-        try:
-            torn = path.exists() and not path.read_bytes().endswith(b"\n")
-            file = open(path, "a", encoding="utf-8", buffering=1)  # noqa: SIM115  # the caller closes it
-            file.write(("\n" if torn else "") + f"{RUN},{time.time():.3f},{jobs_to_do}\n")
-        except OSError as error:
-            raise self.cannot("write there", error) from error
-        return file
-
-    def read_journals(self) -> Journals:
-        """Return what the journals say; torn lines are passed over."""
-        begun, done = [], []
-        for path in self.journals():
-            for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-                name, _, numbers = line.partition(",")
-                try:
-                    when, jobs, *seconds = numbers.split(",")
-                    if name == RUN and not seconds:
-                        begun.append(float(when))
-                    elif name == DONE and len(seconds) == 1:
-                        done.append(Entry(float(when), int(jobs), float(seconds[0])))
-                except ValueError:
-                    continue
-        return Journals(begun, sorted(done))
-
-
-def journal_line(entry: Entry) -> str:
-    """Return the line that `ResultsFolder.read_journals` reads."""
-    return f"{DONE},{entry.time:.3f},{entry.jobs},{entry.seconds:.6f}\n"
 
 
 def jobs_in(part: Path) -> int:

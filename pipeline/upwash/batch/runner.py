@@ -7,25 +7,25 @@ other machines need no common disk.
 from __future__ import annotations
 
 import os
-import signal
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from multiprocessing import resource_tracker
 from typing import IO, TYPE_CHECKING, Any, TextIO
 
 from joblib import Parallel, delayed
 
 from upwash import columns as of
 from upwash.batch.bundle import Bundle, encode, run_batch
-from upwash.batch.folder import OF_OWN, Entry, Plan, ResultsFolder, Shard, journal_line
+from upwash.batch.folder import OF_OWN, Plan, ResultsFolder, Shard
 from upwash.batch.gather import Gathering
 from upwash.batch.index import Known, read_index
+from upwash.batch.journal import Stretch, journal_line, open_journal
 from upwash.batch.progress import Progress
 from upwash.batch.recovery import verified_index
 from upwash.batch.selection import in_shard, is_to_run
+from upwash.batch.signals import signals_held, stopping_on_signals
 from upwash.batch.store import sync, write_atomic
 from upwash.batch.workers import LOKY, stop, workers
 from upwash.errors import UpwashError
@@ -46,9 +46,6 @@ MAX_FLYING = 5000
 
 FLUSH_S = 0.05
 """Results that took longer are put on the disk at once; that takes milliseconds."""
-
-STOPPING = (signal.SIGINT, signal.SIGTERM)
-"""Requests to stop: of a person at a terminal, of the system."""
 
 KILLED = (
     "WorkerKilled: the worker was killed twice, the second time with no other job at work; out of memory?"
@@ -128,7 +125,7 @@ def run_sweep(
     """
     folder.create()
     with ExitStack() as stack:
-        stack.enter_context(_stopping_on_signals())
+        stack.enter_context(stopping_on_signals())
         stack.enter_context(folder.locked(options.shard))
         plan = with_own_columns(plan, folder, jobs)
         folder.write_plan(plan)
@@ -138,7 +135,7 @@ def run_sweep(
         kept = len(jobs) - len(to_do)
         tally = Tally(len(jobs), kept, failed=_failed(jobs, known) if not options.retry_failed else 0)
         if to_do:
-            journal = stack.enter_context(folder.open_journal(options.shard, len(to_do)))
+            journal = stack.enter_context(open_journal(folder, options.shard, len(to_do)))
             progress = Progress(len(jobs), kept, stream)
             if kept:
                 progress.tell(f"{folder}: {kept} of {len(jobs)} jobs are done, {len(to_do)} left to do")
@@ -271,7 +268,7 @@ class _Run:
         )
         outputs = None
         try:
-            with _signals_held():
+            with signals_held():
                 outputs = pool(tasks)
             for bundles, left in outputs:
                 self.take(bundles, left)
@@ -304,7 +301,7 @@ class _Run:
         sync(self.folder.jobs)
         results = [result for bundle in bundles for result in bundle.results]
         seconds = sum(result.seconds for result in results)
-        self.note(Entry(time.time(), len(results), seconds))
+        self.note(Stretch(time.time(), len(results), seconds))
         del self.flying[results[0].job_id]
         self.stored += len(results) + len(left)
         self.queue.extend(left)
@@ -333,10 +330,10 @@ class _Run:
         if self.options.fail_fast and any(result.status == of.FAILED for result in results):
             raise _FirstFailure
 
-    def note(self, entry: Entry) -> None:
+    def note(self, done: Stretch) -> None:
         """Tell the journal, by which the rate is known."""
         try:
-            self.journal.write(journal_line(entry))
+            self.journal.write(journal_line(done))
         except OSError as error:
             raise self.folder.cannot("write there", error) from error
 
@@ -362,41 +359,3 @@ class _Run:
             )
         else:
             self.suspects.extend(suspects)
-
-
-@contextmanager
-def _signals_held() -> Iterator[None]:
-    """Hold requests to stop back while workers are started.
-
-    They inherit that: Ctrl-C, or a queue's signal to all processes, reaches this one alone, which stops them.
-    """
-    # multiprocessing lets the signals through when it starts this process of its own; so that comes first.
-    resource_tracker.ensure_running()
-    # Another thread of this process may still be handed a signal, which Python then handles in this one.
-    requests: list[int] = []
-    heard = {one: signal.getsignal(one) for one in STOPPING if signal.getsignal(one) != signal.SIG_IGN}
-    for one in heard:
-        signal.signal(one, lambda number, _: requests.append(number))
-    held = signal.pthread_sigmask(signal.SIG_BLOCK, STOPPING)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, held)
-        for one, handler in heard.items():
-            signal.signal(one, handler)
-        if requests:
-            raise KeyboardInterrupt
-
-
-@contextmanager
-def _stopping_on_signals() -> Iterator[None]:
-    """Let a polite request of the system, such as a queue's at the time limit, stop us as Ctrl-C does."""
-
-    def interrupt(*_: Any) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)

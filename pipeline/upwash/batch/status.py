@@ -7,8 +7,9 @@ from collections import Counter
 from dataclasses import dataclass
 
 from upwash import columns as of
-from upwash.batch.folder import Journals, ResultsFolder
+from upwash.batch.folder import ResultsFolder
 from upwash.batch.index import Known, read_index
+from upwash.batch.journal import Journals, read_journals
 
 RECENT_S = 600.0
 """The rate is that of so long."""
@@ -64,7 +65,7 @@ def status_of(folder: ResultsFolder) -> Status:
     counts = Counter(one.status for one in ended)
     left = len(ids) - len(ended)
     is_running = folder.in_use()
-    rate = _rate(folder.read_journals()) if is_running else None
+    rate = _rate(read_journals(folder)) if is_running else None
     return Status(
         results=str(folder),
         sweep=plan.sweep if plan else "",
