@@ -7,6 +7,9 @@ from __future__ import annotations
 
 import errno
 
+FAILED_EXIT = 1
+"""The exit code of a command that did what it was asked to, where some jobs failed."""
+
 
 class UpwashError(Exception):
     """A mistake in what was asked or given: bad usage, a bad file, an impossible value.

@@ -32,12 +32,12 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     "Sweeps over many": {
         "run": ("runs", "Solve every job of a sweep; finished jobs are kept."),
         "merge": ("runs", "Make one results folder of those of a sweep's parts."),
-        "status": ("runs", "Say how far a sweep has come."),
+        "status": ("results", "Say how far a sweep has come."),
         "aggregate": ("runs", "Gather the jobs' results into one table each."),
-        "check": ("runs", "Check that a results folder holds what it must."),
-        "show": ("runs", "Show one job: inputs, optima, residuals."),
-        "rerun": ("runs", "Solve chosen jobs again."),
-        "diff": ("runs", "Compare two results folders, job by job."),
+        "check": ("results", "Check that a results folder holds what it must."),
+        "show": ("results", "Show one job: inputs, optima, residuals."),
+        "rerun": ("results", "Solve chosen jobs again."),
+        "diff": ("results", "Compare two results folders, job by job."),
         "page": ("pictures", "Draw a sweep's figures and write the page that tells its story."),
     },
     "The paper": {

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from upwash.cli.solve import as_json, problem
+from upwash.cli.printing import as_json
+from upwash.cli.solve import problem
 from upwash.cli.streams import at_work
 from upwash.optimum.settings import FLOCK_CHOICES
 

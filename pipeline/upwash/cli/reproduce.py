@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from upwash.cli.printing import as_json, say
 from upwash.cli.streams import at_work
-from upwash.errors import CheckFailed
+from upwash.errors import FAILED_EXIT, CheckFailed
 from upwash.shipped import shipped
 
 if TYPE_CHECKING:
@@ -18,16 +19,8 @@ if TYPE_CHECKING:
 
 SWEEP = "reproduce"
 WORKERS = 2
-FAILED_EXIT = 1
 
 REFERENCE = shipped("results/reference")
-
-as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
-
-
-def _say(line: str) -> None:
-    """Write a line for a person, apart from the results."""
-    click.echo(line, err=True)
 
 
 @click.command()
@@ -85,15 +78,15 @@ def reproduce(results: str, json_output: bool) -> None:
         click.echo(json.dumps(record, ensure_ascii=False, indent=2, allow_nan=False))
     else:
         click.echo(reproduction(solutions))
-    _say(f"{claims}: {counts(ledger)}")
-    _say(f"{page}: the page about all of it, to be opened in a browser")
+    say(f"{claims}: {counts(ledger)}")
+    say(f"{page}: the page about all of it, to be opened in a browser")
     for found in comparison.differences:
         values = f"found {found.first}, kept {found.second}"
-        _say(f"{found.column}, job {found.job_id}: {values} (may differ by {found.allowed})")
+        say(f"{found.column}, job {found.job_id}: {values} (may differ by {found.allowed})")
     if not comparison.agrees:
         remedy = f"see 'upwash diff {results} {REFERENCE}'"
         raise CheckFailed(f"{results}: expected what is kept in {REFERENCE}, found something else; {remedy}")
-    _say(f"{results}: agrees with {REFERENCE}")
+    say(f"{results}: agrees with {REFERENCE}")
 
 
 def solve_and_check(sweep: str, folder: ResultsFolder) -> str:
@@ -117,14 +110,14 @@ def solve_and_check(sweep: str, folder: ResultsFolder) -> str:
     at_work(f"solving {read.name}")
     tally = run_sweep(read.jobs, plan, folder, Options(workers=WORKERS), sys.stderr)
     if tally.failed:
-        _say(f"{folder}: {tally.failed} of {tally.jobs} jobs failed; see 'upwash status {folder}'")
+        say(f"{folder}: {tally.failed} of {tally.jobs} jobs failed; see 'upwash status {folder}'")
         raise click.exceptions.Exit(FAILED_EXIT)
     at_work(f"gathering and checking {read.name}")
-    aggregate(folder, _say)
+    aggregate(folder, say)
     checked = check(folder)
     for finding in checked.findings[1:]:
-        _say(str(finding))
+        say(str(finding))
     if checked.findings:
         raise CheckFailed(f"{folder}: {checked.findings[0]}")
-    _say(f"{folder}: {len(checked.jobs)} jobs solved and checked")
+    say(f"{folder}: {len(checked.jobs)} jobs solved and checked")
     return read.text

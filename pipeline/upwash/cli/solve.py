@@ -9,11 +9,10 @@ from typing import Any
 import click
 
 from upwash.aero.power import COST_FUNCTIONS
+from upwash.cli.printing import as_json
 from upwash.cli.streams import at_work
 from upwash.optimum.settings import FLOCK_CHOICES
 from upwash.species import AMPLITUDE_CONVENTIONS
-
-as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
 
 
 def problem(

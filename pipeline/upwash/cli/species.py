@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from upwash.cli.printing import as_json
 from upwash.errors import UpwashError
 
 if TYPE_CHECKING:
@@ -23,8 +24,6 @@ SYMBOLS = {
     "θ": "stroke_half_angle",
     "R": "upstroke_span_ratio",
 }
-
-as_json = click.option("--json", "json_output", is_flag=True, help="Print JSON instead of text.")
 
 
 @click.group()
