@@ -9,6 +9,7 @@ from upwash.jobs.flock import Flock
 from upwash.optimum.settings import FlockRules
 from upwash.species import load_species
 from upwash.sweep import file, read_sweep
+from upwash.sweep.block_reader import block_keys
 from upwash.sweep.toml_lines import key_lines, line_of
 
 IBIS = 'species = "northern-bald-ibis"\n'
@@ -245,7 +246,7 @@ class TestBlocks:
         text += "[[block]]\n[block.fixed]\nspeed_m_s = 13\n[[block]]\n"
         assert [(job.bird.speed_m_s, job.bird.mass_kg) for job in jobs(text)] == [(13.0, 1.2), (14.0, 1.2)]
 
-    @pytest.mark.parametrize("key", [key for key in file.BLOCK_KEYS if key != "fixed"])
+    @pytest.mark.parametrize("key", [key for key in block_keys() if key != "fixed"])
     def test_any_other_key_of_a_block_stands_in_the_place_of_the_files(self, jobs, key):
         files, blocks, kind, name = OF_THE_FILE_AND_OF_A_BLOCK[key]
         head = "" if key == "species" else IBIS
