@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from upwash.cli.solve import as_json, problem
+from upwash.cli.printing import as_json
+from upwash.cli.solve import problem
 from upwash.cli.streams import at_work
 
 USUAL = "0.05,0.1,0.2"
