@@ -8,6 +8,7 @@ import math
 import sys
 from dataclasses import replace
 from pathlib import Path
+from threading import Thread
 from types import ModuleType
 
 import numpy as np
@@ -388,6 +389,19 @@ def interpreted(module, replaced=None, **given):
         del sys.modules[mutant.__name__]
     mutant.__dict__.update(given)
     return mutant
+
+
+def test_a_proof_ends_where_a_coordinate_is_large_against_the_box():
+    """Rounding of a coordinate of thousands of semispans is wider than the box that is left: it cannot shrink on."""
+    bird = Bird(0.6, 1.0, 10.0, 1000.0, 1.2, 9.81, 1e-3, 0.4)
+    problem = EndlessProblem(bird, "force", model=replace(LIMIT, stroke_states=4))
+    box = problem.bounds.copy()
+    box[0] = 7000.0
+    claims = []
+    proof = Thread(target=lambda: claims.append(certify_endless(problem, box, 2.0, 1e-4, 3000)), daemon=True)
+    proof.start()
+    proof.join(100.0)
+    assert claims and claims[0].boxes == 3000
 
 
 @pytest.mark.parametrize("name", ENCLOSURE_MUTANTS)
