@@ -201,6 +201,16 @@ def cannot_write(path: Path, error: OSError) -> UpwashError:
     )
 
 
+def _coding(schema: pa.Schema) -> dict[str, list[str]]:
+    """Return how columns are coded: what differs from row to row byte by byte, a fifth less, the rest by dictionary."""
+    own = set(of.names(of.belonging(of.OPTIMUM)))
+    split = [field.name for field in schema if field.name in own and pa.types.is_floating(field.type)]
+    return {
+        "use_byte_stream_split": split,
+        "use_dictionary": [name for name in schema.names if name not in split],
+    }
+
+
 class TableWriter:
     """Writes a table piece by piece to a temporary name; `replacing` puts it in place."""
 
@@ -209,7 +219,7 @@ class TableWriter:
         self.schema = schema
         # The metadata is known when all is read: `close` stores the schema, as Arrow would have done here.
         self.writer = pq.ParquetWriter(
-            path, schema, write_page_checksum=True, store_schema=False, **TABLE_OPTIONS
+            path, schema, write_page_checksum=True, store_schema=False, **TABLE_OPTIONS | _coding(schema)
         )
 
     def write(self, table: pa.Table) -> None:
