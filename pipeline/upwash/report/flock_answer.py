@@ -63,7 +63,8 @@ def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
     """
     first, placed = rows.iloc[0], rows[rows["status"] == of.SOLVED]
     cost = 100.0 * placed["cost"] / placed["cost_leader"]
-    placed = placed.astype({"leader": "Int64"})
+    # A phase that is rounded to a whole wingbeat is 0.
+    placed = placed.astype({"leader": "Int64"}).assign(phase_flock=placed["phase_flock"].round(3) % 1.0)
     place, formats = shown(placed, OF_A_BIRD)
     savings, more = shown(placed, SAVINGS)
     columns = {**place, "cost %": cost, **savings}
