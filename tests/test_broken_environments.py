@@ -39,6 +39,7 @@ COMMANDS = {
     "field": ["field", IBIS, "--size", "4"],
     "animate": ["animate", IBIS, "--birds", "2"],
     "explore": ["explore", IBIS],
+    "evaluate": ["evaluate", IBIS, "seen.csv"],
     "run": ["run", "./sweep.toml", "--json"],
     "merge": ["merge", "results/merged", RESULTS],
     "status": ["status", RESULTS],
@@ -71,6 +72,7 @@ WRITING = {
     "field": ["field", IBIS, "--size", "4", "--output", "DIR"],
     "animate": ["animate", IBIS, "--birds", "2", "--output", "DIR/flock.gif"],
     "explore": ["explore", IBIS, "--output", "DIR/explorer.html"],
+    "evaluate": ["evaluate", IBIS, "seen.csv", "--output", "DIR/told.parquet"],
     "run": ["run", "./more.toml", "--results", "DIR"],
     "merge": ["merge", "DIR", RESULTS],
 }
@@ -106,7 +108,9 @@ class Server:
 
 def serve():
     """Fork for each line of standard input, and answer with an exit code."""
+    import pandas as pd
     import pyarrow.parquet  # noqa: F401
+    from upwash import evaluate
     from upwash.batch import aggregate, check, merge, runner  # noqa: F401
     from upwash.optimum.pair import solve_pair
     from upwash.report import animation, page  # noqa: F401
@@ -115,7 +119,9 @@ def serve():
 
     # The kernels are loaded once as well.
     load_library()
-    solve_pair(load_species(IBIS).bird(), "force")
+    ibis = load_species(IBIS).bird()
+    solve_pair(ibis, "force")
+    evaluate(ibis, pd.DataFrame({"x_m": [1.2], "y_m": [0.9]}), finds_optimum=False)
     answers = os.fdopen(os.dup(1), "w", buffering=1)
     for line in sys.stdin:
         child = os.fork()
@@ -170,6 +176,7 @@ def sound_folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sound")
     (folder / "sweep.toml").write_text(SWEEP)
     (folder / "more.toml").write_text(MORE)
+    (folder / "seen.csv").write_text("bird,x_m,y_m,z_m\nÁgnes,1.2,0.9,0.0\n", encoding="utf-8")
     with chdir(folder):
         for arguments in (["run", "./sweep.toml"], ["aggregate", RESULTS]):
             result = CliRunner().invoke(cli.main, arguments)

@@ -7,6 +7,7 @@ stood in for at the places where a command hands its work on; what an option the
 import re
 import shutil
 from contextlib import chdir
+from types import SimpleNamespace
 
 import click
 import pytest
@@ -20,6 +21,7 @@ from upwash.errors import UpwashError
 from upwash.jobs.flock import Flock
 from upwash.jobs.run import Ended
 from upwash.literature.ledger import read_kept
+from upwash.place.survey import survey
 
 IBIS = "northern-bald-ibis"
 RESULTS = "results/pair"
@@ -40,6 +42,7 @@ CALLS = {
     "animate": [IBIS],
     # The ibis's own amplitude is that of either convention.
     "explore": ["mute-swan"],
+    "evaluate": ["mute-swan", "seen.csv"],
     "run": ["./sweep.toml"],
     "merge": ["merged", RESULTS],
     "status": [RESULTS],
@@ -68,12 +71,24 @@ VALUES = {
     "--sigma-m": "0.02",
     "--sigma-phase": "0.1",
     "--observed": "birds.csv",
+    "--jobs": "3",
+    "--phase-unit": "rad",
 }
+# A table of birds: one whose phase is not known, and one that pays with a stroke beyond the paper's bounds.
+SEEN_BIRDS = """time,bird,x_m,y_m,z_m,phase,off_cm
+0,A,1.2,0.904,0,,3
+0,B,1.2,0.904,0,0.01,3
+0,C,2.0,-0.8,0.1,0.3,3
+"""
 # An option that needs another: how the command is called without its effect, and with it.
 TOGETHER = {
     ("phase", "--model"): ([], ["--model", "paper"]),
     ("explore", "--model"): ([], ["--model", "paper"]),
     ("optimum", "--distance-m"): (["--model", "limit"], ["--model", "limit", "--distance-m", "1.2"]),
+    ("evaluate", "--columns"): ([], ["--columns", "off_cm=sigma_x_m"]),
+    ("evaluate", "--wake"): (["--pairs"], ["--pairs", "--wake", "all-upstream"]),
+    ("evaluate", "--heading"): (["--pairs"], ["--pairs", "--heading", "200"]),
+    ("evaluate", "--output"): ([], ["--output", "told.parquet"]),
     ("run", "--backend"): ([], ["--backend", "dask", "--scheduler", "tcp://one:1"]),
     ("run", "--scheduler"): tuple(
         ["--backend", "dask", "--scheduler", address] for address in ("tcp://one:1", "tcp://two:2")
@@ -150,6 +165,7 @@ def template(tmp_path_factory):
     studies.write_folder(folder / RESULTS, studies.pair_rows())
     (folder / "sweep.toml").write_text(f'species = "{IBIS}"\n', encoding="utf-8")
     (folder / "birds.csv").write_text("x_m,y_m\n1.2,0.9\n", encoding="utf-8")
+    (folder / "seen.csv").write_text(SEEN_BIRDS, encoding="utf-8")
     return folder
 
 
@@ -176,6 +192,12 @@ def see(template, tmp_path, monkeypatch):
             return studies.complete(studies.flock_rows(job.kind.birds)[: job.kind.birds], "flock")
         return studies.complete([one for one in studies.pair_rows() if one["objective"] == "force"], "pair")
 
+    def survey_of(behind, birds, threads):
+        calls.append(("survey", threads))
+        return survey(behind, birds, threads)
+
+    monkeypatch.setattr("upwash.study.observed.evaluation.survey", survey_of)
+    stand_in("upwash.study.observed.evaluation.solve_pair", lambda *given: SimpleNamespace(v_optimum=None))
     stand_in("upwash.jobs.run.solve", rows)
     stand_in("upwash.jobs.run.run_job", lambda job: Ended(job, rows(job)))
     stand_in("upwash.jobs.flock.flock_of", lambda job: job)

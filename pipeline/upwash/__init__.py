@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from upwash.optimum.pair import solve_pair
     from upwash.optimum.settings import FlockRules, SearchSettings
     from upwash.species import load_species
+    from upwash.study.observed.evaluation import evaluate
 
 __version__ = "0.1.0"
 __all__ = [
@@ -32,6 +33,7 @@ __all__ = [
     "SearchSettings",
     "Stroke",
     "WakeModel",
+    "evaluate",
     "load_species",
     "solve_flock",
     "solve_pair",
@@ -45,6 +47,7 @@ _HOME = {
     "SearchSettings": "upwash.optimum.settings",
     "Stroke": "upwash.aero.pose",
     "WakeModel": "upwash.aero.wake",
+    "evaluate": "upwash.study.observed.evaluation",
     "load_species": "upwash.species",
     "solve_flock": "upwash.optimum.flock",
     "solve_pair": "upwash.optimum.pair",

@@ -29,6 +29,9 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "animate": ("pictures", "Animate a flock flapping in its wakes."),
         "explore": ("explore", "Write a page on which to drag a follower about."),
     },
+    "Birds that were seen": {
+        "evaluate": ("observed", "Say what observed birds save where they fly."),
+    },
     "Sweeps over many": {
         "run": ("runs", "Solve every job of a sweep; finished jobs are kept."),
         "merge": ("runs", "Make one results folder of those of a sweep's parts."),

@@ -109,11 +109,7 @@ def _block(
         rule = CHOICES.get(name, kind.choices.get(name))
         if isinstance(rule, Rule) and (expected := rule.broken_by(value)):
             raise UpwashError(f"--{name}: expected {expected}, found {value}; correct it")
-    fixed: dict[str, Setting] = {}
-    for name, setting in map(_setting, settings):
-        if name in fixed:
-            raise UpwashError(f"--set {name}: expected each input once, found it twice; leave one out")
-        fixed[name] = setting
+    fixed = settings_of(settings)
     for name, value in {MODEL: model, **(parts or {})}.items():
         option = f"--{name.replace('_', '-')}"
         if value is None:
@@ -134,6 +130,22 @@ def _block(
         sample=None,
         exclusions=[],
     )
+
+
+def settings_of(texts: Iterable[str]) -> dict[str, Setting]:
+    """Read inputs that are each written ``NAME=VALUE``.
+
+    Raises
+    ------
+    UpwashError
+        If one is written otherwise, unknown, out of range, or told twice.
+    """
+    fixed: dict[str, Setting] = {}
+    for name, setting in map(_setting, texts):
+        if name in fixed:
+            raise UpwashError(f"--set {name}: expected each input once, found it twice; leave one out")
+        fixed[name] = setting
+    return fixed
 
 
 def _setting(text: str) -> tuple[str, Setting]:

@@ -43,6 +43,12 @@ SAME = 1e-7
 ON_BOUND = 1e-8
 """How far beyond its bounds a stroke may be by rounding, in semispans or as a ratio."""
 
+OVERLAP = 1e-4
+"""How far beyond its bounds the amplitude is followed, so that a stroke on a bound is not lost."""
+
+LIFT_CLOSE = 1e-4
+"""Excess of lift, over weight, at which its balance is followed; what the square of it leaves out is no more."""
+
 # Columns of an array of steps' ends.
 H, R, KIND, VALUE, SLOPE, R_SLOPE, STEP_COLUMNS = range(7)
 
@@ -50,7 +56,10 @@ H, R, KIND, VALUE, SLOPE, R_SLOPE, STEP_COLUMNS = range(7)
 AMPLITUDE, RATIO, COST = range(3)
 SAVING, FOUND, MISSING, MISSING_SHARE, RESULTS = range(3, 8)
 
-MOST_HALVINGS = 40
+MOST_HALVINGS = 45
+
+SHORT, SHORTEST = 1e-2, 1e-12
+"""Steps from which on the lift is balanced to the end, and are halved no more."""
 
 FOLLOWED = 0.2
 """How far a stroke is followed from one place to another, in semispans."""
@@ -116,9 +125,9 @@ def _ratio_at(amplitude, guess, close, bounds, felt, room):
 
 
 @kernel
-def _look_along(amplitude, guess, bounds, felt, room, end):
+def _look_along(amplitude, guess, close, bounds, felt, room, end):
     """Fill in the end of a step: what the balance of thrust is there, or of lift where that has none, and its slope."""
-    ratio, kind = _ratio_at(amplitude, guess, 1e-3, bounds, felt, room)
+    ratio, kind = _ratio_at(amplitude, guess, close, bounds, felt, room)
     slopes, balance = room.slopes, room.balance
     end[H], end[KIND] = amplitude, kind
     if kind == 0:
@@ -256,6 +265,9 @@ def _say_what_is_missing(ends, bounds, felt, room, missing):
     """Fill in what keeps a bird from balancing at a place where nothing does: the least of it that was looked at."""
     missing[0], missing[1] = EXCESS_LIFT, np.inf
     has_lift = False
+    for k in (0, ends.shape[0] - 1):
+        h = min(max(ends[k, H], bounds.least_amplitude), bounds.most_amplitude)
+        _look_along(h, ends[k, R], BALANCED, bounds, felt, room, ends[k])
     for k in range(ends.shape[0]):
         ratio = min(max(ends[k, R], bounds.least_ratio), bounds.most_ratio)
         if ends[k, KIND] == 0.0 and ratio == ends[k, R]:
@@ -301,9 +313,8 @@ def find_balances(bounds, felt, room, found, missing):
     count = 0
     room.falls[0] = 1 if bounds.may_fall else 0
     for k in range(steps + 1):
-        # A stroke on a bound must not be lost by rounding.
-        h = bounds.least_amplitude - ON_BOUND + k * (reach + 2.0 * ON_BOUND) / steps
-        _look_along(h, guess, bounds, felt, room, ends[k])
+        h = bounds.least_amplitude - OVERLAP + k * (reach + 2.0 * OVERLAP) / steps
+        _look_along(h, guess, LIFT_CLOSE, bounds, felt, room, ends[k])
         guess = ends[k, R] + ends[k, R_SLOPE] * reach / steps
     for k in range(steps):
         left[:] = ends[k]
@@ -311,13 +322,13 @@ def find_balances(bounds, felt, room, found, missing):
         last = 0
         while last >= 0:
             right, width = waiting[last], waiting[last, H] - left[H]
-            may_split = last < MOST_HALVINGS and width > 1e-9
+            may_split = last < MOST_HALVINGS and width > SHORTEST
             is_split = False
             if left[KIND] == 0.0 and right[KIND] == 0.0:
                 if not _is_beyond(left, right, bounds):
                     roots = _roots_within(left, right)
                     is_split = roots < 0
-                    if roots == 1 or (is_split and not may_split):
+                    if roots >= 0 or not may_split:
                         if (left[VALUE] > 0.0) != (right[VALUE] > 0.0):
                             h, ratio = _polish(left, right, bounds, felt, room)
                             count = _keep(h, ratio, count, bounds, felt, room, found)
@@ -332,7 +343,8 @@ def find_balances(bounds, felt, room, found, missing):
             if is_split and may_split:
                 middle = waiting[last + 1]
                 ratio = 0.5 * (left[R] + right[R]) + 0.125 * width * (left[R_SLOPE] - right[R_SLOPE])
-                _look_along(0.5 * (left[H] + right[H]), ratio, bounds, felt, room, middle)
+                close = LIFT_CLOSE if width > SHORT else BALANCED
+                _look_along(0.5 * (left[H] + right[H]), ratio, close, bounds, felt, room, middle)
                 last += 1
             else:
                 left[:] = right

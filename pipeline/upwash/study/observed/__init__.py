@@ -1,0 +1,1 @@
+"""Observed birds: tables of where they fly, read, paired, and evaluated row by row."""

@@ -1,0 +1,168 @@
+"""Tables of observed birds as files: read and written piece by piece, so that one of any length fits into memory."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from upwash.batch.store import TABLE_OPTIONS, provenance, replacing
+from upwash.errors import UpwashError
+from upwash.jobs.schema import schema_of
+from upwash.study.observed.evaluation import EVALUATION
+
+ROWS_AT_ONCE = 20_000
+"""Rows of a piece."""
+
+PARQUET = (".parquet", ".pq")
+TEXT = (".csv", ".txt", ".tsv")
+
+
+def read_pieces(path: Path, whole: bool = False) -> Iterator[pd.DataFrame]:
+    """Read a table piece by piece; what stands in a CSV file stays text, so that names of birds stay what they are.
+
+    Parameters
+    ----------
+    path : Path
+        A file whose name ends in .csv, .txt or .tsv (separated by tabs), or .parquet.
+    whole : bool
+        Whether the table is to be one piece.
+
+    Raises
+    ------
+    UpwashError
+        If it is no such file, cannot be read, or holds no row.
+    """
+    ending = path.suffix.lower()
+    if ending not in (*PARQUET, *TEXT):
+        raise UpwashError(
+            f"{path}: expected a table in .csv or .parquet, found {ending or 'no ending'}; save it so"
+        )
+    is_empty = True
+    with _noticing(path):
+        pieces = (
+            _parquet(path, whole)
+            if ending in PARQUET
+            else _text(path, whole, "\t" if ending == ".tsv" else ",")
+        )
+        for piece in pieces:
+            is_empty &= piece.empty
+            if not piece.empty:
+                yield piece
+    if is_empty:
+        raise UpwashError(
+            f"{path}: expected a row for each bird, found none; write one a line below the names"
+        )
+
+
+def _text(path: Path, whole: bool, separator: str) -> Iterator[pd.DataFrame]:
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        names = [name.strip() for name in next(csv.reader(file, delimiter=separator), [])]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise UpwashError(
+            f"{path}: expected each column once, found {', '.join(map(repr, twice))} twice; rename one"
+        )
+    reader = pd.read_csv(
+        path,
+        sep=separator,
+        dtype=str,
+        encoding="utf-8-sig",
+        keep_default_na=False,
+        na_values=[""],
+        skipinitialspace=True,
+        index_col=False,
+        chunksize=None if whole else ROWS_AT_ONCE,
+    )
+    for piece in [reader] if isinstance(reader, pd.DataFrame) else reader:
+        piece.columns = [str(name).strip() for name in piece.columns]
+        yield piece
+
+
+def _parquet(path: Path, whole: bool) -> Iterator[pd.DataFrame]:
+    with pq.ParquetFile(path) as file:
+        if whole:
+            yield file.read().to_pandas()
+            return
+        for batch in file.iter_batches(ROWS_AT_ONCE):
+            yield batch.to_pandas()
+
+
+@contextmanager
+def _noticing(path: Path) -> Iterator[None]:
+    """Turn whatever a reader says of a broken file into one line."""
+    try:
+        yield
+    except UnicodeDecodeError as error:
+        raise UpwashError(
+            f"{path}: expected text in UTF-8, found other bytes; save it as CSV UTF-8"
+        ) from error
+    except pd.errors.EmptyDataError as error:
+        raise UpwashError(f"{path}: expected a line with the columns' names, found an empty file") from error
+    except (pd.errors.ParserError, csv.Error) as error:
+        found = " ".join(str(error).split()).removeprefix("Error tokenizing data. C error: ")
+        raise UpwashError(
+            f"{path}: expected as many cells in each line as columns, found: {found}"
+        ) from error
+    except pa.ArrowException as error:
+        found = " ".join(str(error).split())[:120]
+        raise UpwashError(f"{path}: expected a Parquet file, found: {found}; save it again") from error
+
+
+class EvaluationWriter:
+    """Writes what was evaluated as Parquet, piece by piece, with the unit and meaning of each column of ours.
+
+    Parameters
+    ----------
+    path : Path
+        The file, under a temporary name.
+    said : dict of str to str
+        What the file's metadata say beside the versions.
+    """
+
+    def __init__(self, path: Path, said: dict[str, str]) -> None:
+        self.path, self.said = path, said
+        self.writer: pq.ParquetWriter | None = None
+
+    def write(self, piece: pd.DataFrame) -> None:
+        """Write a piece; the types of the table's own columns are those of the first."""
+        ours = schema_of(EVALUATION)
+        if self.writer is None:
+            others = pa.Schema.from_pandas(
+                piece.drop(columns=list(ours.names), errors="ignore"), preserve_index=False
+            )
+            fields = [
+                ours.field(name) if name in ours.names else others.field(name) for name in piece.columns
+            ]
+            # A column in which nothing stands yet may hold anything later.
+            fields = [one.with_type(pa.string()) if pa.types.is_null(one.type) else one for one in fields]
+            self.schema = pa.schema(fields, metadata=provenance("") | self.said)
+            self.writer = pq.ParquetWriter(
+                self.path, self.schema, **TABLE_OPTIONS | {"write_statistics": True}
+            )
+        self.writer.write_table(pa.Table.from_pandas(piece, schema=self.schema, preserve_index=False))
+
+    def close(self) -> None:
+        """Finish the file."""
+        if self.writer is not None:
+            self.writer.close()
+
+
+@contextmanager
+def evaluation_file(path: Path, said: dict[str, str]) -> Iterator[EvaluationWriter]:
+    """Give a writer whose file is in place when all was written, whole or not at all."""
+    if path.suffix.lower() not in PARQUET:
+        raise UpwashError(
+            f"--output: expected a name that ends in .parquet, found {str(path)!r}; for text write --csv"
+        )
+    with replacing(path) as unfinished:
+        writer = EvaluationWriter(unfinished, said)
+        try:
+            yield writer
+        finally:
+            writer.close()
