@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+import renew_observed
 from upwash import Pose, SearchSettings, Stroke, WakeModel, evaluate, load_species, solve_pair, wake_force
 from upwash.errors import UpwashError
 from upwash.study.observed.evaluation import EVALUATION, OUTCOMES
@@ -309,6 +310,11 @@ class TestPairs:
     def test_a_table_without_birds_is_one_line(self):
         with pytest.raises(UpwashError, match="time: expected such a column, found x_m, y_m, z_m, phase"):
             told(seen(), pairs=True)
+
+
+def test_the_made_ibises_of_the_page_are_those_of_the_script():
+    page = renew_observed.PAGE.read_text(encoding="utf-8")
+    assert renew_observed.TITLE + renew_observed.made_text() + "```" in page
 
 
 class TestTally:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from upwash.aero.power import COST_FUNCTIONS
-from upwash.cli.solve import as_json
+from upwash.cli.printing import as_json
 from upwash.cli.streams import at_work
 from upwash.optimum.settings import WAKES
 from upwash.species import AMPLITUDE_CONVENTIONS

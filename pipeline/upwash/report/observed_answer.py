@@ -14,7 +14,8 @@ from upwash.study.observed.tally import EvaluationTally
 ROWS_SHOWN = 20
 """Rows that are printed; the rest is told of."""
 
-_OWN_SHOWN = 3
+# Of the table's own columns those that name a bird, and then the first.
+_OWN_SHOWN, _OWN_FIRST = 3, ("id", "time", "bird")
 _SHOWN = (
     "leader",
     "x_m",
@@ -36,14 +37,15 @@ def first_rows(told: pd.DataFrame, title: str) -> str:
     """Return the first rows of what was evaluated as a table."""
     rows = told.head(ROWS_SHOWN)
     names = {column.name for column in EVALUATION}
-    own = [name for name in rows if name not in names][:_OWN_SHOWN]
+    others = [name for name in rows if name not in names]
+    own = sorted(others, key=lambda name: name not in _OWN_FIRST)[:_OWN_SHOWN]
     ours = {one.name: one for one in EVALUATION if one.name in rows and rows[one.name].notna().any()}
     columns = [ours[name] for name in _SHOWN if name in ours]
     values, formats = shown(rows, columns)
     own_values: dict[str, pd.Series] = {str(name): rows[name] for name in own}
     frame = pd.DataFrame(own_values | values)
     frame = frame.astype(object).where(frame.notna(), None)
-    return Table(title, frame, {"x m": ".2f", "y m": ".2f", "z m": "+.2f", "κ": ".2f"} | formats).text()
+    return Table(title, frame, formats | {"x m": ".2f", "y m": ".2f", "z m": "+.2f", "κ": ".2f"}).text()
 
 
 def summary(tally: EvaluationTally) -> str:

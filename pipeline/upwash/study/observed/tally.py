@@ -83,7 +83,7 @@ def rayleigh(turns: np.ndarray | Sequence[float]) -> tuple[int, float, float, fl
     --------
     >>> count, mean, concentration, p = rayleigh([0.05, -0.05, 0.0, 0.1, -0.1, 0.02])
     >>> count, round(mean, 3), round(concentration, 2), round(p, 3)
-    (6, 0.003, 0.92, 0.001)
+    (6, 0.004, 0.92, 0.002)
     """
     turns = np.asarray(turns, dtype=float)
     if not turns.size:
