@@ -159,3 +159,22 @@ class TestAPair:
         apart[..., 4] = np.minimum(apart[..., 4], 1.0 - apart[..., 4])
         np.fill_diagonal(apart[..., 0], 1.0)
         assert np.min(np.max(apart, axis=2)) > 1e-5
+
+
+@pytest.mark.parametrize(
+    ("model", "line"),
+    [
+        (
+            WakeModel(span_nodes="exact"),
+            r"^span_nodes: expected a number of points \(behind .*'exact'$",
+        ),
+        (WakeModel(stroke_states=4, stroke_rule="gauss"), r"^stroke_rule: expected held \(.*'gauss'$"),
+        (WakeModel(core="rosenhead-moore"), r"^core: expected rankine \(.*'rosenhead-moore'$"),
+        (WakeModel(stroke_states=4, span_law="stroke"), r"^span_law: expected tip \(.*'stroke'$"),
+        (WakeModel(wavelengths=math.inf), r"^span_nodes: expected exact \(behind an endless wake .*found 2$"),
+    ],
+    ids=["exact", "gauss", "core", "law", "points"],
+)
+def test_a_model_in_which_no_optimum_is_searched_is_refused_before_the_search(model, line):
+    with pytest.raises(ValueError, match=line):
+        pair_problems(IBIS, "force", model=model)
