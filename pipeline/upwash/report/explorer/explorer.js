@@ -285,7 +285,7 @@
       view.halo.setAttribute("cy", -at[1] * SCALE);
     }
     above.label("leader", "leader", [0, 1.1]);
-    above.label("follower", "follower", [x, Math.min(y + 1.1, above.high - 0.2)]);
+    above.label("follower", "follower", [x, Math.min(y + 1.1, above.high - 15 * above.pixel / SCALE)]);
     side.label("leader", "leader", [0, -0.92]);
     side.label("follower", "follower", [x, Math.max(z - 0.92, side.low + 0.08)]);
     behind.label("leader", "leader", [0, -0.92]);
