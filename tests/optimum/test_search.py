@@ -43,7 +43,7 @@ def basin(cost, hits=1, **moved):
     point = np.array([3.0, 1.5, -0.1, 1.2, 0.35, 0.1])
     for index, by in moved.items():
         point[int(index[1:])] += by * SCALE[int(index[1:])]
-    return Basin(point, cost, np.zeros(2), np.zeros(3), hits)
+    return Basin(point, cost, np.zeros(2), hits)
 
 
 class TestStarts:

@@ -207,7 +207,7 @@ def _describe(problem: JointProblem, point: NDArray[np.float64], left: float) ->
         evidence = gather_evidence(posed, group, representative, own)
         optimum = describe_optimum(
             posed,
-            Basin(own, 0.0, np.zeros(2), np.zeros(len(representative)), 1),
+            Basin(own, 0.0, np.zeros(2), 1),
             replace(evidence, stationarity=left),
             representative,
             rank=0,

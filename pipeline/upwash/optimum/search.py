@@ -44,8 +44,6 @@ class Basin:
         Cost over that of the lone leader.
     multipliers : (2,) ndarray of float
         Multipliers of the lift and the thrust balance.
-    pins : (e,) ndarray of float
-        Multipliers of the core edges to which the optimum is pinned, 0 for the others.
     hits : int
         How many starts ended here.
     """
@@ -53,7 +51,6 @@ class Basin:
     point: NDArray[np.float64]
     cost: float
     multipliers: NDArray[np.float64]
-    pins: NDArray[np.float64]
     hits: int
 
 
@@ -112,8 +109,7 @@ class Search:
         )
         self.starts += n
         found = [
-            Basin(points[k], float(costs[k]), multipliers[k], pins[k], 1)
-            for k in np.flatnonzero(status == SOLVED)
+            Basin(points[k], float(costs[k]), multipliers[k], 1) for k in np.flatnonzero(status == SOLVED)
         ]
         return merge_basins(found)
 

@@ -84,7 +84,7 @@ class EndlessSearch:
             status,
         )
         solved = np.flatnonzero(status == SOLVED)
-        return [Basin(points[k], float(costs[k]), multipliers[k], np.empty(0), 1) for k in solved]
+        return [Basin(points[k], float(costs[k]), multipliers[k], 1) for k in solved]
 
     def explore(self, starts: NDArray[np.float64]) -> None:
         """Solve from each start within the problem's bounds and keep the basins."""
