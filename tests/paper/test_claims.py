@@ -13,6 +13,8 @@ import pytest
 from click.testing import CliRunner
 from renew_claims import PAGE, SWEEPS, kept, page, solved
 from upwash.aero.bird import Bird
+from upwash.aero.pose import Pose, Stroke
+from upwash.aero.wake import spanwise_spacing_rule
 from upwash.batch.store import encode, provenance
 from upwash.cli import main
 from upwash.errors import UpwashError
@@ -31,6 +33,7 @@ from upwash.paper import (
     judge,
     judge_claims,
     of_limit,
+    of_optimum,
     of_print,
     of_search,
 )
@@ -236,6 +239,10 @@ MUTATIONS = {
         lambda e: changed_pair(e, {"y_m": plus(0.12)}),
         {"table-1-y", "spacing-rule", "spacing-rule-exceeded", "observed-y"},
     ),
+    "the lowered wingtip on the downstroke's vortex": (
+        lambda e: changed_pair(e, {"y_m": plus(0.22)}),
+        {"wingtips-outside-filament"},
+    ),
     "half an amplitude lower": (
         lambda e: changed_pair(e, {"z_m": plus(-0.5)}),
         {"table-1-z", "table-1-z-ratio", "observed-z", "thrust-changes-sign"},
@@ -376,9 +383,11 @@ BY_THEMSELVES = {
     "product-of-R-and-circulation",
     "cost-against-amplitude",
     "passive-upstroke",
+    "spacing-rule-elsewhere",
 }
 BY_THEMSELVES |= {"print-y", "print-balance", *OF_THE_SOLVER}
 OF_THE_MAPS = {"thrust-map-minimum", "lift-map-minimum", "thrust-varies-more", "benefits-do-not-coincide"}
+OF_THE_MAPS |= {"optimum-in-the-overlap", "favourable-band"}
 OF_THE_MAPS |= {"strong-benefit-is-rare", "behind-the-leader", "lift-above-and-below", "lift-changes-sign"}
 
 
@@ -444,6 +453,16 @@ class TestMutations:
     def test_a_cost_that_falls_with_amplitude(self, evidence, monkeypatch):
         monkeypatch.setattr(Bird, "thrust_n", lambda bird, amplitude, ratio: 3.0 - amplitude)
         assert outcome("cost-against-amplitude", evidence) == (HOLDS, ())
+
+    def test_birds_that_keep_the_rule_behind_other_leaders(self, evidence, monkeypatch):
+        def at_the_rule(bird, objective, model):
+            row = evidence.v(objective)
+            stroke = Stroke(row["amplitude_m"], row["upstroke_span_ratio"])
+            y = spanwise_spacing_rule(bird.semispan_m, stroke.span_ratio)
+            return Pose(row["x_m"], y, row["z_m"], stroke, row["phase"])
+
+        monkeypatch.setattr(of_optimum, "_v_of", at_the_rule)
+        assert outcome("spacing-rule-elsewhere", evidence) == (HOLDS, ())
 
     def test_a_paper_that_prints_one_number(self, evidence, monkeypatch):
         monkeypatch.setitem(of_print._VARIOUS, "y", (0.882, 0.882, 0.882))

@@ -11,6 +11,7 @@ from upwash.aero.span_integral import span_nodes
 from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
 from upwash.paper.claim import Cases, Measure, Measures
 from upwash.paper.evidence import OBJECTIVES, Evidence
+from upwash.study.field import grid
 
 UP, DOWN = 0, 1
 LIKE = {"up–up": (UP, UP), "down–down": (DOWN, DOWN)}
@@ -125,6 +126,26 @@ def _overlap(evidence: Evidence) -> Cases:
     return shares
 
 
+def _overlap_at_the_optimum(evidence: Evidence) -> Cases:
+    """What the wake gives of both lift and thrust at the optimum, over the most anywhere in its level plane.
+
+    Of the two that which is the lesser share of what is needed counts; at the optimum, in balance, both are 1.
+    """
+    ratios = evidence.maps["xy"]
+    lifts = (ratios.lift - ratios.own_lift) / (1.0 - ratios.own_lift)
+    pulls = (ratios.thrust - ratios.own_thrust) / (1.0 - ratios.own_thrust)
+    return {"xy": 1.0 / max(1.0, float(np.minimum(lifts, pulls).max()))}
+
+
+def _in_path(evidence: Evidence) -> Cases:
+    """Share of the points of the plane of distance and phase where the wake pulls much that have κ near x/λ."""
+    ratios = evidence.maps["xk"]
+    pulls = ratios.thrust - ratios.own_thrust > LARGE_BENEFIT * (1.0 - ratios.own_thrust)
+    x_m, phase = grid(evidence.bird, "xk", pulls.shape[0])
+    off = (x_m[None, :] / evidence.bird.wavelength_m - phase[:, None] + 0.5) % 1.0 - 0.5
+    return {"xk": float((pulls & (np.abs(off) <= QUARTER)).sum() / pulls.sum())}
+
+
 def _strongly_beneficial(evidence: Evidence) -> Cases:
     """Share of each map in which the wake gives much of both lift and thrust, in percent."""
     shares = {}
@@ -156,6 +177,8 @@ MEASURES: Measures = {
         plane: float(np.ptp(ratios.thrust) / np.ptp(ratios.lift)) for plane, ratios in evidence.maps.items()
     },
     "benefits-do-not-coincide": _overlap,
+    "optimum-in-the-overlap": _overlap_at_the_optimum,
+    "favourable-band": _in_path,
     "strong-benefit-is-rare": _strongly_beneficial,
     "behind-the-leader": _forward_and_down,
     "lift-above-and-below": _lift_above_and_below,

@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from upwash.aero.wake import spanwise_spacing_rule
+from dataclasses import replace
+from functools import cache
+from math import nan
+
+from upwash.aero.bird import Bird
+from upwash.aero.pose import Pose
+from upwash.aero.wake import ROLL_UP, WakeModel, spanwise_spacing_rule
+from upwash.optimum.pair import solve_pair
+from upwash.optimum.settings import SearchSettings
 from upwash.paper.claim import Cases, Measure, Measures
 from upwash.paper.evidence import OBJECTIVES, Evidence
 
 OBSERVED_X_M, OBSERVED_Y_M = 1.2, 0.904
 """Northern bald ibises, Portugal et al. (2014), as the paper's Table 1 quotes them."""
+
+OTHER_RATIOS = (0.3, 0.5)
+"""Upstroke span ratios of other leaders: the paper's bounds on the follower's."""
 
 ALIKE = 0.05
 """Largest difference that the table of claims counts as almost none."""
@@ -20,6 +31,38 @@ def _over_the_rule(evidence: Evidence) -> Cases:
         row = evidence.v(objective)
         rule = spanwise_spacing_rule(row["semispan_m"], row["upstroke_span_ratio"])
         excess[objective] = 100.0 * (row["y_m"] / rule - 1.0)
+    return excess
+
+
+def _beyond_filament(evidence: Evidence) -> Cases:
+    """How far the follower's inner wingtip is outboard of the leader's downstroke filament, in semispans."""
+    beyond = {}
+    for objective in OBJECTIVES:
+        row = evidence.v(objective)
+        aside = float(row["y_m"] / row["semispan_m"]) - ROLL_UP
+        beyond[f"{objective}, raised"] = aside - float(row["upstroke_span_ratio"])
+        beyond[f"{objective}, lowered"] = aside - 1.0
+    return beyond
+
+
+@cache
+def _v_of(bird: Bird, objective: str, model: WakeModel) -> Pose | None:
+    """Return the V optimum of a bird that is not the paper's, by search alone."""
+    v = solve_pair(bird, objective, model=model, search=SearchSettings(most_boxes=1)).v_optimum
+    return v.pose if v else None
+
+
+def _over_the_rule_elsewhere(evidence: Evidence) -> Cases:
+    """As `_over_the_rule`, for leaders of other upstroke span ratios."""
+    excess = {}
+    for objective in OBJECTIVES:
+        for ratio in OTHER_RATIOS:
+            bird = replace(evidence.bird, upstroke_span_ratio=ratio)
+            pose = _v_of(bird, objective, evidence.model)
+            rule = spanwise_spacing_rule(bird.semispan_m, pose.stroke.span_ratio) if pose else nan
+            excess[f"{objective}, R_L {100.0 * ratio:.0f} %"] = (
+                100.0 * (pose.y_m / rule - 1.0) if pose else nan
+            )
     return excess
 
 
@@ -46,6 +89,8 @@ MEASURES: Measures = {
     "path-coherence": lambda evidence: evidence.of_v("path_phase"),
     "spacing-rule": _over_the_rule,
     "spacing-rule-exceeded": _over_the_rule,
+    "spacing-rule-elsewhere": _over_the_rule_elsewhere,
+    "wingtips-outside-filament": _beyond_filament,
     "observed-y": _over("y_m", OBSERVED_Y_M),
     "observed-x": _over("x_m", OBSERVED_X_M),
     "observed-z": lambda evidence: evidence.of_v("z_amplitudes"),
