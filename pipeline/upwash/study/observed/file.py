@@ -68,7 +68,7 @@ def _text(path: Path, whole: bool, separator: str) -> Iterator[pd.DataFrame]:
         raise UpwashError(
             f"{path}: expected each column once, found {', '.join(map(repr, twice))} twice; rename one"
         )
-    reader = pd.read_csv(
+    with pd.read_csv(
         path,
         sep=separator,
         dtype=str,
@@ -77,11 +77,17 @@ def _text(path: Path, whole: bool, separator: str) -> Iterator[pd.DataFrame]:
         na_values=[""],
         skipinitialspace=True,
         index_col=False,
-        chunksize=None if whole else ROWS_AT_ONCE,
-    )
-    for piece in [reader] if isinstance(reader, pd.DataFrame) else reader:
-        piece.columns = [str(name).strip() for name in piece.columns]
-        yield piece
+        iterator=True,
+    ) as reader:
+        while True:
+            try:
+                piece = reader.read() if whole else reader.get_chunk(ROWS_AT_ONCE)
+            except StopIteration:
+                return
+            piece.columns = [str(name).strip() for name in piece.columns]
+            yield piece
+            if whole:
+                return
 
 
 def _parquet(path: Path, whole: bool) -> Iterator[pd.DataFrame]:
