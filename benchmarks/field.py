@@ -110,7 +110,7 @@ def contest() -> Contest:
     circulation = np.repeat(strengths, 4)
     points = np.random.default_rng(0).uniform([-0.5, -2.0, -1.0], [5.0, 2.0, 1.0], (POINTS, 3))
     outside = np.flatnonzero(distance_to_nearest(points, starts, ends) > CORE_M)
-    filaments = (starts, ends, circulation, CORE_M)
+    filaments, cores = (starts, ends, circulation, CORE_M), np.full(strengths.size, CORE_M)
     work = POINTS * circulation.size
     found, compiled = np.empty_like(points), np.empty_like(points)
 
@@ -130,7 +130,7 @@ def contest() -> Contest:
             ),
             Contender(
                 "Upwash, into an array at hand",
-                lambda: fill_velocity(points, rings, strengths, CORE_M, found),
+                lambda: fill_velocity(points, rings, strengths, cores, found),
                 work,
                 lambda: found[outside],
             ),

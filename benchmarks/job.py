@@ -49,7 +49,7 @@ class Parts:
     def examine(self):
         """Gather the evidence of every basin."""
         for basin in self.basins:
-            gather_evidence(self.problem, self.search.group, self.search.representative, basin.point)
+            gather_evidence(self.problem, self.search.felt, basin.point)
 
 
 def contest() -> Contest:

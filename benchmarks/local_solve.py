@@ -13,10 +13,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from upwash.optimum.compiled.descent import SCALE
-from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.aero.lanes import core_edges
+from upwash.optimum.compiled.problem import evaluate
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.search import Search
+from upwash.optimum.variables import SCALE
 
 from benchmarks.contest import Contender, Contest
 from benchmarks.wake_force import IBIS
@@ -38,7 +39,7 @@ class Model:
 
     def __init__(self, problem: PairProblem) -> None:
         self.problem = problem
-        self.edges = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+        self.edges = core_edges(problem.lanes)
         self.residual, self.gradient, self.jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
 
     def fill(self, point: NDArray[np.float64]) -> float:

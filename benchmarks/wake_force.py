@@ -7,7 +7,7 @@ from numba import njit
 from upwash.aero.bird import Bird
 from upwash.aero.compiled.lanes import wake_force_jacobian
 from upwash.aero.interaction import phase_piece, phase_weights, wake_force
-from upwash.aero.lanes import wake_lanes
+from upwash.aero.lanes import core_edges, wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
 
@@ -33,13 +33,13 @@ PLACE = np.array([1.7, 0.9, -0.05, 0.75, 0.35, 0.1])
 
 
 @njit(cache=True)
-def forces_along_a_path(place, lanes, core2, edges, jacobian, calls):
+def forces_along_a_path(place, lanes, edges, jacobian, calls):
     """Call the force with its Jacobian many times, each a little further, as a compiled search does."""
     point = place.copy()
     total = 0.0
     for _ in range(calls):
         point[0] += 1e-9
-        lift, thrust = wake_force_jacobian(point, lanes, core2, edges, jacobian)
+        lift, thrust = wake_force_jacobian(point, lanes, edges, jacobian)
         total += lift + thrust
     return total
 
@@ -104,13 +104,12 @@ def contest() -> Contest:
     )
     wing = np.full(2, IBIS.density_kg_m3 * IBIS.circulation_m2_s * 2.0 * b)
     lanes = wake_lanes(wake, *phase_piece(1), wing, 2, 2)
-    core2 = CORE_RADIUS_RATIO**2
-    edges = np.full((4, lanes.shape[1]), core2)
+    edges = core_edges(lanes)
     units = np.array([b, b, b, b, 1.0, 1.0])
     place, jacobian = PLACE / units, np.empty((2, 6))
 
     def ours():
-        force = wake_force_jacobian(place, lanes, core2, edges, jacobian)
+        force = wake_force_jacobian(place, lanes, edges, jacobian)
         return np.column_stack([force, jacobian / units])
 
     by_numpy, by_model = with_differences(numpy_force()), with_differences(plain_force)
@@ -120,13 +119,13 @@ def contest() -> Contest:
         [
             Contender(
                 "Upwash, in a compiled loop",
-                lambda: forces_along_a_path(place, lanes, core2, edges, jacobian, CALLS),
+                lambda: forces_along_a_path(place, lanes, edges, jacobian, CALLS),
                 CALLS,
                 ours,
             ),
             Contender(
                 "Upwash, called from Python",
-                lambda: wake_force_jacobian(place, lanes, core2, edges, jacobian),
+                lambda: wake_force_jacobian(place, lanes, edges, jacobian),
                 1,
                 ours,
             ),

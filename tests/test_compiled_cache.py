@@ -8,6 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numba
 import numpy as np
 import pytest
 import upwash
@@ -215,6 +216,23 @@ def test_constants_that_compile_differently_are_told_apart(one, other):
         """Stand for a kernel's function."""
 
     assert compiling._told(one, function) != compiling._told(other, function)
+
+
+def test_a_kernel_that_is_said_to_make_no_arrays_makes_none():
+    @kernel(allocates=False)
+    def total(values):
+        found = 0.0
+        for value in values:
+            found += value
+        return found
+
+    @kernel(allocates=False)
+    def doubled(values):
+        return np.sum(values + values)
+
+    assert total(np.ones(3)) == 3.0
+    with pytest.raises(numba.core.errors.NumbaError, match="NRT required"):
+        doubled(np.ones(3))
 
 
 def test_what_is_told_is_the_same_in_every_process():

@@ -49,7 +49,7 @@ LOGGER = logging.getLogger(__name__)
 SIGNATURE_FLAGS = inspect.CO_VARARGS | inspect.CO_VARKEYWORDS | inspect.CO_GENERATOR
 
 
-def kernel(function: Callable[..., Any] | None = None, /, **flags: Any) -> Any:
+def kernel(function: Callable[..., Any] | None = None, /, *, allocates: bool = True, **flags: Any) -> Any:
     """Compile a function when it is first called, and keep the code between runs.
 
     Parameters
@@ -57,6 +57,9 @@ def kernel(function: Callable[..., Any] | None = None, /, **flags: Any) -> Any:
     function : callable
         A function of numbers, arrays and named tuples that numba can compile. It may use other kernels, and
         constants of any module that are numbers, text, arrays, or tuples of those.
+    allocates : bool
+        Whether it makes arrays.  A kernel that makes none, and calls none that does, need not count who holds those
+        that it is given, which takes time where they are many and the work is little.
     **flags
         Options of `numba.njit`; ``nogil=True`` and ``error_model="numpy"`` unless said otherwise.
 
@@ -74,8 +77,8 @@ def kernel(function: Callable[..., Any] | None = None, /, **flags: Any) -> Any:
     5.0
     """
     if function is None:
-        return lambda function: kernel(function, **flags)
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"} | flags
+        return lambda function: kernel(function, allocates=allocates, **flags)
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": allocates} | flags
     compiled: Any = numba.njit(**options)(function)
     if hasattr(compiled, "py_func"):  # and not the function itself, under NUMBA_DISABLE_JIT
         compiled._cache = _Kept(compiled)

@@ -15,7 +15,7 @@ from upwash import Pose, Stroke, WakeModel, load_species, wake_force
 from upwash.aero.endless import endless_window
 from upwash.aero.fixed_wing import FixedWing
 from upwash.aero.induction import velocity
-from upwash.aero.wake import ROLL_UP, vortex_wake
+from upwash.aero.wake import ROLL_UP, wake_at_phases
 
 IBIS = load_species("northern-bald-ibis").bird()
 B, WAVELENGTH = IBIS.semispan_m, IBIS.wavelength_m
@@ -89,8 +89,8 @@ class TestUpwash:
         assert wing.drag_saved_n(wing, y_m=distance) == pytest.approx(closed, rel=3e-7)
 
     def test_flat_rings_cancel_where_they_meet(self):
-        chain = vortex_wake(0.0, 1.0, 1.0, 6.25, 1.0, 1.0, 1, 3)
-        one = vortex_wake(0.0, 1.0, 1.0, 3 * 6.25, 1.0, 1.0, 1, 1)
+        chain = wake_at_phases([0.0], 0.0, 1.0, 1.0, 6.25, 1.0, 1.0, WakeModel(wavelengths=3))
+        one = wake_at_phases([0.0], 0.0, 1.0, 1.0, 3 * 6.25, 1.0, 1.0)
         points = np.random.default_rng(3).uniform([-2.0, 0.0, -1.0], [20.0, 3.0, 1.0], (40, 3))
         difference = velocity(points, chain.rings, chain.circulation, 0.171) - velocity(
             points, one.rings, one.circulation, 0.171

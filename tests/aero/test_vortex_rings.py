@@ -307,12 +307,19 @@ def test_no_ring_induces_nothing():
     assert (velocity(scattered(3), np.empty((0, 6)), [], CORE) == 0.0).all()
 
 
+def test_each_ring_has_a_core_of_its_own():
+    points, cores = scattered(300, seed=14), CORE * np.linspace(0.5, 3.0, len(RINGS))
+    for found in (velocity, velocity_gradient):
+        apart = [found(points, RINGS[k : k + 1], CIRCULATION[k : k + 1], cores[k]) for k in range(len(RINGS))]
+        assert found(points, RINGS, CIRCULATION, cores) == pytest.approx(sum(apart), rel=1e-12, abs=1e-12)
+
+
 def test_threads_fill_parts_of_one_array():
     points = scattered(4 * BLOCK, seed=12)
-    found = np.full_like(points, np.nan)
+    found, cores = np.full_like(points, np.nan), np.full(len(CIRCULATION), CORE)
 
     def fill(part):
-        fill_velocity(points[part], RINGS, CIRCULATION, CORE, found[part])
+        fill_velocity(points[part], RINGS, CIRCULATION, cores, found[part])
 
     with ThreadPoolExecutor(2) as threads:
         list(threads.map(fill, [slice(0, 3 * BLOCK), slice(3 * BLOCK, None)]))

@@ -10,7 +10,7 @@ from upwash.aero import wake_energy
 from upwash.aero.induction import velocity
 from upwash.aero.power import induced_power_w
 from upwash.aero.span_integral import ring_velocity
-from upwash.aero.wake import ROLL_UP, vortex_wake
+from upwash.aero.wake import ROLL_UP, wake_at_phases
 from upwash.aero.wake_energy import wake_power_w
 
 IBIS = load_species("northern-bald-ibis").bird()
@@ -19,15 +19,15 @@ STILL = Stroke(1e-9, 1.0 - 1e-12)
 
 def chain(bird: Bird, stroke: Stroke, images: int):
     """Return the rings of a chain around the wavelength from 0 on, and their circulation."""
-    wake = vortex_wake(
+    wake = wake_at_phases(
+        [0.0],
         stroke.amplitude_m,
         stroke.span_ratio,
         bird.semispan_m,
         bird.wavelength_m,
         bird.circulation_m2_s,
         bird.circulation_ratio,
-        stroke_states=1,
-        wavelengths=2 * images + 1,
+        WakeModel(wavelengths=2 * images + 1),
     )
     rings = wake.rings.copy()
     rings[:, :2] -= images * bird.wavelength_m

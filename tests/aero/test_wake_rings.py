@@ -21,7 +21,7 @@ def wake_of(states=2, **changes):
         "wavelength": WAVELENGTH,
         "circulation": CIRCULATION,
     }
-    return vortex_wake(**{**values, **changes}, stroke_states=states)
+    return vortex_wake(**{**values, **changes}, model=WakeModel(stroke_states=states))
 
 
 def oriented(start, end, circulation):

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 from upwash.aero.bird import Bird
 from upwash.aero.compiled.lanes import HEIGHT, wake_force_jacobian
+from upwash.aero.lanes import core_edges
 from upwash.optimum.certify import certify
 from upwash.optimum.compiled import boxes, enclosure, relaxation
-from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.compiled.problem import evaluate
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.search import Search
 
@@ -67,12 +68,10 @@ def state_force(problem, tips, phase):
     """Wake force of one follower state at (x, y, z of the tips, R), from the kernel that the search uses."""
     lanes = tips["lanes"].copy()
     lanes[HEIGHT] = 0.0
-    edges = np.full((4, lanes.shape[1]), problem.constants[CORE2])
+    edges = core_edges(lanes)
     x, y, z, ratio = tips["at"]
     return np.array(
-        wake_force_jacobian(
-            np.array([x, y, z, 0.0, ratio, phase]), lanes, problem.constants[CORE2], edges, np.empty((2, 6))
-        )
+        wake_force_jacobian(np.array([x, y, z, 0.0, ratio, phase]), lanes, edges, np.empty((2, 6)))
     )
 
 
@@ -90,7 +89,6 @@ def forms_of(code, problem, low, high):
             (part + 1) * half,
             part == 0,
             PHASE_END,
-            problem.constants[CORE2],
             forms[part],
         )
     return forms
@@ -169,7 +167,7 @@ def as_point(box_point):
 
 def lagrangian(problem, box_point, nu):
     """Cost plus multiplied residuals at a point."""
-    edges = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+    edges = core_edges(problem.lanes)
     residual = np.empty(2)
     cost = evaluate(
         as_point(box_point),
@@ -202,7 +200,7 @@ def excess_of_dual_bound(code, enclosing, problem, seed, boxes):
 def feasible_points(search):
     """Balanced points of many costs: every basin, and points slid along the balances away from it."""
     problem, rng, found = search.problem, np.random.default_rng(11), []
-    edges = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+    edges = core_edges(problem.lanes)
     residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
     for basin in search.basins:
         for size in (0.0, 0.02, 0.1):
@@ -223,7 +221,7 @@ def lost_tracers(code, search, seed, rounds):
     """How many feasible points a threshold above their cost removes, of those followed; and how many were."""
     rng, lost, followed = np.random.default_rng(seed), 0, 0
     problem = search.problem
-    limits = np.array([*problem.bounds[2], *problem.bounds[3]])
+    limits = relaxation.Limits(*problem.bounds[2], *problem.bounds[3])
     for point, cost in feasible_points(search):
         x, y, z, h, ratio, phase = point
         where = np.array([x, y, z + 0.5 * h, z - 0.5 * h, ratio, phase])
@@ -360,13 +358,13 @@ CERTIFY_MUTANTS = {
     "radii do not widen the bound": ("abs(nu_thrust) * relaxation[2, 7]\n    return", "0.0\n    return"),
     "phase's product forgotten": ("row[7] += w_share * (", "row[7] += 0.0 * ("),
     "thrust's product forgotten": (
-        "product = abs(constants[THRUST_RATIO])",
-        "product = 0.0 * abs(constants[THRUST_RATIO])",
+        "product = abs(constants.thrust_ratio)",
+        "product = 0.0 * abs(constants.thrust_ratio)",
     ),
     "rim cut too deep": ("kept = slack / abs(slope)", "kept = 0.7 * slack / abs(slope)"),
     "threshold undercut": ("if bound > threshold:", "if bound > 0.97 * threshold:"),
     "own cost overstated": (
-        "amplitude = max(low[2] - high[3], limits[2] - MARGIN)",
+        "amplitude = max(low[2] - high[3], limits.least_amplitude - MARGIN)",
         "amplitude = high[2] - low[3]",
     ),
     "tips coupled too tightly": ("low[3] + h_low, 2.0 * z_low", "low[3] + h_high, 2.0 * z_low"),

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from upwash.aero.compiled.lanes import HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
+from upwash.aero.compiled.lanes import CORE2, HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
+from upwash.aero.lanes import core_edges
 from upwash.aero.pose import Stroke
 from upwash.aero.wake import WakeModel
 from upwash.optimum.compiled.edges import edge_distance, edge_pull
-from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.compiled.problem import evaluate
 from upwash.optimum.core_edge import CoreEdge, edges_in, other_side
 from upwash.optimum.edges import FILAMENTS, distinct_edges
 from upwash.optimum.evidence import name_edge
@@ -27,7 +28,7 @@ def problem(request, ibis):
 
 @pytest.fixture(scope="module")
 def edges(problem):
-    return distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
+    return distinct_edges(problem.lanes, problem.bounds)
 
 
 def random_points(problem, count, seed=2):
@@ -38,7 +39,7 @@ def random_points(problem, count, seed=2):
 def distance(problem, point, lane, filament):
     """Return a lane's edge distance at a point, and its gradient."""
     gradient = np.empty(6)
-    value = edge_distance(point, problem.lanes, problem.constants[CORE2], lane, filament, gradient)
+    value = edge_distance(point, problem.lanes, lane, filament, gradient)
     return value, gradient
 
 
@@ -47,17 +48,17 @@ def each_filament(problem):
 
 
 def test_an_edge_is_a_core_radius_from_the_line_of_its_filament(problem):
-    corners, core2 = problem.wake().corners(), problem.constants[CORE2]
+    corners = problem.wake().corners()
     for point in random_points(problem, 3):
         for lane, k in each_filament(problem):
             of = problem.lanes[:, lane]
             reach = of[NODE] * (of[SPAN_FIXED] + of[SPAN_FLEXED] * point[4])
             place = [point[0], point[1] + reach, point[2] + of[HEIGHT] * point[3]]
-            loop = corners[lane % len(corners)]
+            loop = corners[problem.ring_of_lane[lane]]
             begin = CORNER[FILAMENTS[k]]
             along = loop[(begin + 1) % 4] - loop[begin]
             across = np.cross(along, place - loop[begin])
-            expected = across @ across / (along @ along) / core2 - 1.0
+            expected = across @ across / (along @ along) / of[CORE2] - 1.0
             assert distance(problem, point, lane, k)[0] == pytest.approx(expected, rel=1e-10, abs=1e-10)
 
 
@@ -91,7 +92,7 @@ def test_edges_that_are_told_apart_are_apart_somewhere(problem, edges):
 
 def test_in_the_paper_s_model_no_two_edges_have_one_name(ibis):
     problem = PairProblem(ibis)
-    _, representative = distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
+    _, representative = distinct_edges(problem.lanes, problem.bounds)
     names = [name_edge(problem, *one) for one in representative]
     assert len(set(names)) == len(names)
     assert CoreEdge("left", "down", "right tip", "upstroke", "up") in names
@@ -103,7 +104,7 @@ def test_in_the_paper_s_model_no_two_edges_have_one_name(ibis):
 def test_edges_on_the_other_side_are_those_of_the_mirrored_follower(ibis):
     for nodes in (2, 5):
         problem = PairProblem(ibis, model=WakeModel(span_nodes=nodes))
-        _, representative = distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
+        _, representative = distinct_edges(problem.lanes, problem.bounds)
         names = {name_edge(problem, *one) for one in representative}
         # To each edge there is one with left and right exchanged.
         assert {name.mirrored() for name in names} == names
@@ -114,14 +115,11 @@ def test_edges_on_the_other_side_are_those_of_the_mirrored_follower(ibis):
 def test_both_wingtips_share_the_edge_of_a_spanwise_filament_and_no_other(problem, edges):
     group, _ = edges
     nodes, heights = problem.lanes[NODE], problem.lanes[HEIGHT]
-    rings = len(problem.wake().circulation)
+    rings, lanes = problem.ring_of_lane, np.arange(nodes.size)
+    states = np.searchsorted(problem.first_lanes, lanes, side="right")
     for left in np.flatnonzero(nodes == -1.0):
-        (right,) = (
-            lane
-            for lane in np.flatnonzero((nodes == 1.0) & (heights == heights[left]))
-            if lane % rings == left % rings
-            and lane // (rings * problem.model.span_nodes) == left // (rings * problem.model.span_nodes)
-        )
+        is_like = (rings == rings[left]) & (states == states[left]) & (heights == heights[left])
+        (right,) = np.flatnonzero((nodes == 1.0) & is_like)
         assert list(group[:2, left]) == list(group[:2, right])
         assert not set(group[2:, left]) & set(group[2:, right])
 
@@ -138,7 +136,7 @@ def point_on(problem, edge, point):
 
 def lagrangian(problem, point, multipliers):
     """Return the Lagrangian at a point: what is cheap to balance."""
-    core = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+    core = core_edges(problem.lanes)
     residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
     cost = evaluate(point, problem.lanes, core, problem.constants, residual, gradient, jacobian)
     return cost + multipliers @ residual
@@ -146,11 +144,11 @@ def lagrangian(problem, point, multipliers):
 
 def test_the_pull_of_an_edge_is_the_jump_of_the_lagrangian_s_slope(problem, edges):
     group, representative = edges
-    multipliers, core2 = np.array([-0.9, -0.4]), problem.constants[CORE2]
+    multipliers = np.array([-0.9, -0.4])
     jumps = []
     for number, edge in enumerate(representative):
         points = [point_on(problem, edge, point) for point in random_points(problem, 20, seed=number)]
-        pulls = [edge_pull(point, problem.lanes, core2, group, number, multipliers) for point in points]
+        pulls = [edge_pull(point, problem.lanes, group, number, multipliers) for point in points]
         pull, point = max(zip(pulls, points, strict=True), key=lambda both: abs(both[0]))
         _, normal = distance(problem, point, *edge)
         step = 1e-6 * normal / np.linalg.norm(normal)

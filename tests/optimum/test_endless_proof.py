@@ -17,7 +17,9 @@ from upwash.aero.bird import Bird
 from upwash.aero.compiled.endless import HEIGHT, SHIFT, SPAN_FIXED, SPAN_FLEXED, endless_force_jacobian
 from upwash.aero.wake import WakeModel
 from upwash.optimum.compiled import endless_boxes, endless_enclosure
-from upwash.optimum.compiled.endless_descent import evaluate_endless
+from upwash.optimum.compiled.endless_descent import evaluate_endless, make_room
+from upwash.optimum.compiled.programme import new_balance
+from upwash.optimum.compiled.relaxation import Limits
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import EndlessSearch
 from upwash.optimum.endless.solve import certify_endless
@@ -253,12 +255,10 @@ def search(request):
 
 
 def evaluated(problem, point):
-    residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
-    places = np.empty((4, problem.wake_felt.steps.shape[1]))
-    cost = evaluate_endless(
-        point.copy(), problem.wake_felt, problem.constants, places, residual, gradient, jacobian
-    )
-    return cost, residual, jacobian
+    balance, none = new_balance(), (np.empty(0, np.int64), np.empty(0), 0)
+    room = make_room(problem.felt)
+    cost = evaluate_endless(point.copy(), problem.felt, problem.constants, room, *none, balance)
+    return cost, balance.residual, balance.jacobian
 
 
 def feasible_points(search):
@@ -283,7 +283,7 @@ def lost_tracers(code, search, seed, rounds):
     """How many feasible points a threshold above their cost removes, of those followed; and how many were."""
     rng, lost, followed = np.random.default_rng(seed), 0, 0
     problem = search.problem
-    limits = np.array([*problem.bounds[2], *problem.bounds[3]])
+    limits = Limits(*problem.bounds[2], *problem.bounds[3])
     for point, cost in feasible_points(search):
         x, y, z, h, ratio, _ = point
         where = np.array([x, y, z + 0.5 * h, z - 0.5 * h, ratio, 0.0])
@@ -426,7 +426,10 @@ def test_a_weakened_sum_is_caught(name):
         ("_RADIUS] = force[c, RADIUS]", "_RADIUS] = 0.0"),
         ("force[c, BY_DOWN]", "force[c, BY_UP]"),
         ("if bound > threshold:", "if bound > 0.97 * threshold:"),
-        ("amplitude = max(low[2] - high[3], limits[2] - MARGIN)", "amplitude = high[2] - low[3]"),
+        (
+            "amplitude = max(low[2] - high[3], limits.least_amplitude - MARGIN)",
+            "amplitude = high[2] - low[3]",
+        ),
     ],
 )
 def test_a_weakened_proof_is_caught(mutation):

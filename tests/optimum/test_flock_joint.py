@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from upwash.optimum.compiled.descent import SCALE
 from upwash.optimum.flock import solve_flock
 from upwash.optimum.joint import improve_together
 from upwash.optimum.joint_problem import JointProblem
 from upwash.optimum.settings import FlockRules
+from upwash.optimum.variables import SCALE
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from upwash.aero.compiled.lanes import wake_force_jacobian
 from upwash.aero.interaction import phase_weights, wake_force
-from upwash.aero.lanes import wake_lanes
+from upwash.aero.lanes import core_edges, wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel
-from upwash.optimum.compiled.problem import CORE2
 from upwash.optimum.flock import solve_flock
 from upwash.optimum.flock_wake import Place, flock_problems, superposed_wake
 from upwash.optimum.pieces import solve_pieces
@@ -42,8 +41,8 @@ def moved(place, **changes):
 
 def compiled(problem, point):
     """The force of a problem's lanes at a point, in N."""
-    edges, jacobian = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2]), np.empty((2, 6))
-    force = wake_force_jacobian(point, problem.lanes, problem.constants[CORE2], edges, jacobian)
+    edges, jacobian = core_edges(problem.lanes), np.empty((2, 6))
+    force = wake_force_jacobian(point, problem.lanes, edges, jacobian)
     return np.array(force) * problem.bird.weight_n
 
 
@@ -100,10 +99,8 @@ class TestSuperposition:
             strengths = np.where(of_first, first, second) * wake.circulation
             scaled = dataclasses.replace(wake, circulation=strengths)
             lanes = wake_lanes(scaled, weights, np.zeros_like(weights), np.ones(2), 2, 2)
-            edges = np.full((4, lanes.shape[1]), 0.171**2)
-            return np.array(
-                wake_force_jacobian(np.append(point, 0.0), lanes, 0.171**2, edges, np.empty((2, 6)))
-            )
+            edges, jacobian = core_edges(lanes), np.empty((2, 6))
+            return np.array(wake_force_jacobian(np.append(point, 0.0), lanes, edges, jacobian))
 
         for point in points:
             each = force(1.0, 0.0, point), force(0.0, 1.0, point)

@@ -5,11 +5,21 @@ import math
 import numpy as np
 import pytest
 from upwash.aero.bird import Bird
-from upwash.aero.compiled.lanes import FIRST_X, FIRST_Z, HALF_WIDTH, HEIGHT, NODE, SPAN_FIXED, SPAN_FLEXED
+from upwash.aero.compiled.lanes import (
+    CORE2,
+    FIRST_X,
+    FIRST_Z,
+    HALF_WIDTH,
+    HEIGHT,
+    NODE,
+    SPAN_FIXED,
+    SPAN_FLEXED,
+)
 from upwash.aero.interaction import net_force, wake_force
+from upwash.aero.lanes import core_edges
 from upwash.aero.wake import WakeModel
 from upwash.optimum import certify
-from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.compiled.problem import evaluate
 from upwash.optimum.compiled.steps_enclosure import enclose_steps
 from upwash.optimum.pair import pair_problems, solve_pair
 from upwash.optimum.proof import PROVED
@@ -28,9 +38,9 @@ EACH_MODEL = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 
 def force_at(problem, point):
     """Return the wake's lift and thrust at a point, in weights."""
-    residual, edges = np.empty(2), np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+    residual, edges = np.empty(2), core_edges(problem.lanes)
     felt, alone = problem.lanes, np.zeros_like(problem.lanes[:, :1])
-    alone[:9] = problem.lanes[:9, :1]
+    alone[:9], alone[CORE2] = problem.lanes[:9, :1], problem.lanes[CORE2, :1]
     evaluate(point, felt, edges, problem.constants, residual, np.empty(6), np.empty((2, 6)))
     own = np.empty(2)
     evaluate(point, alone, edges[:, :1], problem.constants, own, np.empty(6), np.empty((2, 6)))
@@ -71,7 +81,6 @@ def forms_over(problem, low, high):
         problem.lanes,
         problem.first_lanes,
         problem.phase_span(),
-        problem.constants[CORE2],
         forms,
     )
     return forms
@@ -81,7 +90,7 @@ def special_point(problem, rng):
     """Return a box's point (x, y, z_up, z_down, R) with a node of some state at a ring's corner or filament."""
     lane = problem.lanes[:, rng.integers(problem.lanes.shape[1])]
     ratio, amplitude = rng.uniform(0.3, 0.5), rng.uniform(0.3, 1.7)
-    core = math.sqrt(problem.constants[CORE2])
+    core = problem.model.core_radius_ratio
     span = lane[SPAN_FIXED] + lane[SPAN_FLEXED] * ratio
     y = rng.choice([-1.0, 1.0, 0.3]) * lane[HALF_WIDTH] - lane[NODE] * span + rng.choice([0.0, core])
     z = lane[FIRST_Z] - lane[HEIGHT] * amplitude

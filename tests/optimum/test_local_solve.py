@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 from upwash import Bird, load_species
-from upwash.optimum.compiled.descent import BALANCED, SCALE, SOLVED, UNBALANCED, solve_local
+from upwash.aero.lanes import core_edges
+from upwash.optimum.compiled.descent import BALANCED, SOLVED, UNBALANCED
 from upwash.optimum.compiled.edges import edge_distance
-from upwash.optimum.compiled.problem import CORE2, DRAG, evaluate
+from upwash.optimum.compiled.pair_descent import solve_local
+from upwash.optimum.compiled.problem import evaluate
 from upwash.optimum.evidence import gather_evidence
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.search import Search
+from upwash.optimum.variables import SCALE
 
 # Near the V optimum of the ibis for force: x, y, z, h in semispans, R, |κ − ½|.
 V = np.array([3.03, 1.466, -0.1025, 1.243, 0.349, 0.0])
@@ -23,12 +26,10 @@ class Solver:
     def __call__(self, start):
         problem, search = self.problem, self.search
         self.end, self.multipliers = np.empty(6), np.empty(2)
-        self.pins = np.empty(len(search.representative))
+        self.pins = np.empty(len(search.felt.representative))
         self.status, self.cost, self.steps = solve_local(
             np.asarray(start, dtype=float),
-            problem.lanes,
-            search.group,
-            search.representative,
+            search.felt,
             problem.constants,
             problem.bounds,
             self.end,
@@ -39,17 +40,17 @@ class Solver:
 
     def imbalance(self):
         problem = self.problem
-        edges = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+        edges = core_edges(problem.lanes)
         residual = np.empty(2)
         evaluate(self.end, problem.lanes, edges, problem.constants, residual, np.empty(6), np.empty((2, 6)))
         return np.sum(np.abs(residual))
 
     def imbalance_of_thrust(self):
         problem = self.problem
-        edges = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+        edges = core_edges(problem.lanes)
         residual = np.empty(2)
         evaluate(self.end, problem.lanes, edges, problem.constants, residual, np.empty(6), np.empty((2, 6)))
-        return abs(residual[1]) / problem.constants[DRAG]
+        return abs(residual[1]) / problem.constants.drag
 
     def random_starts(self, count, seed=11):
         return Search(self.problem, seed).random_starts(self.problem.bounds, count)
@@ -85,9 +86,8 @@ def test_the_v_optimum_lies_on_two_core_edges_to_rounding(v_solver):
     pinned = np.flatnonzero(solver.pins)
     assert len(pinned) == 2
     for edge in pinned:
-        lane, filament = solver.search.representative[edge]
-        core2 = solver.problem.constants[CORE2]
-        distance = edge_distance(end, solver.problem.lanes, core2, lane, filament, np.empty(6))
+        lane, filament = solver.search.felt.representative[edge]
+        distance = edge_distance(end, solver.problem.lanes, lane, filament, np.empty(6))
         # s = r²/r_c² − 1, with r_c = 0.171 b.
         assert abs(distance) < 1e-12
 
@@ -141,7 +141,7 @@ def test_whatever_counts_as_solved_is_stationary(species, objective):
     for start in solver.random_starts(150):
         if solver(start) == SOLVED:
             search = solver.search
-            found = gather_evidence(solver.problem, search.group, search.representative, solver.end)
+            found = gather_evidence(solver.problem, search.felt, solver.end)
             assert found.stationarity < 1e-9
             solved += 1
     assert solved > 140

@@ -9,8 +9,8 @@ from dataclasses import replace
 import pytest
 from upwash import SearchSettings, Stroke, solve_pair
 from upwash.aero.wake import WakeModel
-from upwash.optimum.problem import VARIABLES
 from upwash.optimum.proof import Claims
+from upwash.optimum.variables import VARIABLES
 
 SOLVE = """
 import json, sys

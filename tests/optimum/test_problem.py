@@ -5,18 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from upwash.aero.interaction import net_force
+from upwash.aero.lanes import core_edges
 from upwash.aero.pose import Stroke
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.wake import WakeModel
-from upwash.optimum.compiled.problem import CORE2, evaluate
-from upwash.optimum.problem import VARIABLES, PairProblem
+from upwash.optimum.compiled.problem import evaluate
+from upwash.optimum.problem import PairProblem
+from upwash.optimum.variables import VARIABLES
 
 POINTS = 20
 
 
 def evaluated(problem, point):
     """Return cost, residual, gradient and Jacobian of a scaled point."""
-    edges = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+    edges = core_edges(problem.lanes)
     residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
     cost = evaluate(point, problem.lanes, edges, problem.constants, residual, gradient, jacobian)
     return cost, residual, gradient, jacobian

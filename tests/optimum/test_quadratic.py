@@ -45,6 +45,7 @@ class Programme:
             self.is_active,
             self.multipliers,
             np.empty((40, 10)),
+            np.empty((2, 10), np.int64),
         )
 
     def value(self, step):

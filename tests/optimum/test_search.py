@@ -7,16 +7,16 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from upwash.optimum.compiled.descent import SCALE
+from upwash.aero.compiled.lanes import PHASE
+from upwash.aero.lanes import core_edges
 from upwash.optimum.compiled.edges import edge_distance, edge_pull
-from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.compiled.problem import evaluate
 from upwash.optimum.evidence import gather_evidence
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.record import labels
 from upwash.optimum.search import (
     MOST_NEIGHBOURHOODS,
     NEAR_BEST,
-    NEIGHBOURHOOD,
     NEIGHBOURS,
     SAME_BASIN,
     Basin,
@@ -24,6 +24,7 @@ from upwash.optimum.search import (
     find_basin,
     merge_basins,
 )
+from upwash.optimum.variables import SCALE, TABLE, neighbourhood_of
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def search(ibis):
 
 
 def evidence(search, point):
-    return gather_evidence(search.problem, search.group, search.representative, point)
+    return gather_evidence(search.problem, search.felt, point)
 
 
 def basin(cost, hits=1, **moved):
@@ -80,7 +81,7 @@ class TestStarts:
         groups = np.split(np.concatenate(drawn), len(near))
         for one, starts in zip(near, groups, strict=True):
             assert np.all((starts >= problem.bounds[:, 0]) & (starts <= problem.bounds[:, 1]))
-            apart = np.abs(starts[:, :5] - one.point[:5]) / NEIGHBOURHOOD
+            apart = np.abs(starts - one.point)[:, :PHASE] / neighbourhood_of(TABLE)[:PHASE]
             assert np.max(apart) <= 1.0 and np.all(np.max(apart, axis=0) > 0.5)
         around.explore_around_best()
         assert len(drawn) == 1
@@ -150,7 +151,7 @@ class TestEvidence:
 
     def test_an_edge_that_sheds_is_not_taken_for_one_that_holds(self, search):
         # On such an edge, held there by force, cost falls to both sides: a ridge.
-        edges = range(len(search.representative))
+        edges = range(len(search.felt.representative))
         point, pull = next(met for met in (ridge(search, edge) for edge in edges) if met is not None)
         assert pull > 0.0
         assert evidence(search, point).stationarity > 1e-6
@@ -170,14 +171,14 @@ class TestEvidence:
 
 def ridge(search, edge):
     """Return the best point that is kept on a core edge, and the edge's pull there; None if none is met."""
-    problem, core2 = search.problem, search.problem.constants[CORE2]
-    lane, filament = search.representative[edge]
-    core = np.full((4, problem.lanes.shape[1]), core2)
+    problem = search.problem
+    lane, filament = search.felt.representative[edge]
+    core = core_edges(problem.lanes)
     residual, gradient, jacobian, normal = np.empty(2), np.empty(6), np.empty((2, 6)), np.empty(6)
 
     def fill(point):
         cost = evaluate(point, problem.lanes, core, problem.constants, residual, gradient, jacobian)
-        return cost, edge_distance(point, problem.lanes, core2, lane, filament, normal)
+        return cost, edge_distance(point, problem.lanes, lane, filament, normal)
 
     def cost(point):
         return fill(point)[0], gradient.copy()
@@ -205,7 +206,7 @@ def ridge(search, edge):
             continue
         found = evidence(search, end)
         multipliers = np.array([found.multiplier_lift, found.multiplier_thrust])
-        pull = edge_pull(end, problem.lanes, core2, search.group, edge, multipliers)
+        pull = edge_pull(end, problem.lanes, search.felt.group, edge, multipliers)
         if edge in found.core_edges and pull > 1e-5:
             return end, pull
     return None

@@ -22,10 +22,11 @@ from upwash.aero.compiled.lanes import (
     SPAN_FLEXED,
     wake_force_jacobian,
 )
+from upwash.aero.lanes import core_edges
 from upwash.aero.wake import WakeModel
 from upwash.optimum.certify import certify
 from upwash.optimum.compiled import enclosure
-from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.compiled.problem import evaluate
 from upwash.optimum.problem import PairProblem
 
 PHASE_END = 0.5
@@ -52,10 +53,9 @@ def tips_of(problem, part):
 
 def force_at(problem, lanes, place, phase):
     """Return the wake force of one follower state at (x, y, z of the tips, R), from the kernel of the search."""
-    core2 = problem.constants[CORE2]
-    edges = np.full((4, lanes.shape[1]), core2)
+    edges = core_edges(lanes)
     x, y, z, ratio = place
-    return wake_force_jacobian(np.array([x, y, z, 0.0, ratio, phase]), lanes, core2, edges, np.empty((2, 6)))
+    return wake_force_jacobian(np.array([x, y, z, 0.0, ratio, phase]), lanes, edges, np.empty((2, 6)))
 
 
 def form_over(problem, part, middle, widths):
@@ -69,7 +69,6 @@ def form_over(problem, part, middle, widths):
         (part + 1) * half,
         part == 0,
         PHASE_END,
-        problem.constants[CORE2],
         forms,
     )
     return forms
@@ -77,7 +76,7 @@ def form_over(problem, part, middle, widths):
 
 def special_place(problem, rng, part):
     """Return (x, y, z of the tips, R) with a wingtip at a corner, on a filament or on a core edge, or with y = 0."""
-    lanes, core = tips_of(problem, part), math.sqrt(problem.constants[CORE2])
+    lanes, core = tips_of(problem, part), problem.model.core_radius_ratio
     lane = lanes[:, rng.integers(lanes.shape[1])]
     ratio = rng.uniform(0.3, 0.5)
     first, last = (
@@ -146,7 +145,7 @@ def test_a_box_of_no_width_gives_the_force(problem):
 def balanced_at_a_corner(problem, rng, tries):
     """Return followers in balance with a wingtip within 1e-5 semispans of a corner of a ring, and their costs."""
     bounds, found = problem.bounds, []
-    edges = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+    edges = core_edges(problem.lanes)
     residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
     for _ in range(tries):
         lane = problem.lanes[:, rng.integers(problem.lanes.shape[1])]
@@ -215,7 +214,7 @@ def test_a_known_follower_with_a_wingtip_by_a_corner_is_not_excluded():
     point = [6.218973395506475, 0.2146010341827772, 1.1973367047994468]
     point += [1.1863408996823996, 0.32608015168543986, 0.10105264876982964]
     point = np.array(point)
-    edges, residual = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2]), np.empty(2)
+    edges, residual = core_edges(problem.lanes), np.empty(2)
     cost = evaluate(point, problem.lanes, edges, problem.constants, residual, np.empty(6), np.empty((2, 6)))
     assert np.max(np.abs(residual)) < 1e-12
     assert cost == pytest.approx(1.0025921030752, abs=1e-12)

@@ -67,8 +67,7 @@ def _weighted_wake_force(
         bird.wavelength_m,
         bird.circulation_m2_s,
         bird.circulation_ratio,
-        states,
-        model.wavelengths,
+        model,
     )
     force = np.zeros((positions.shape[0], 2))
     for k in range(states):
@@ -76,7 +75,7 @@ def _weighted_wake_force(
         half_span = b * (fixed + flexed * stroke.span_ratio)
         share = weights[wake.state, k]
         # A pair of states that lasts no time costs none.
-        rings, circulation = wake.rings[share != 0.0], (wake.circulation * share)[share != 0.0]
+        felt, share = wake.only(share != 0.0), share[share != 0.0]
         own = bird.circulation_m2_s * state_circulation_ratio(bird, k, states)
         for node, weight in zip(*span_nodes(model.span_nodes), strict=True):
             add_force(
@@ -84,9 +83,9 @@ def _weighted_wake_force(
                 half_span * node,
                 stroke.amplitude_m * stroke_height(k / states),
                 bird.density_kg_m3 * own * 2.0 * half_span * weight,
-                rings,
-                circulation,
-                model.core_radius_ratio * b,
+                felt.rings,
+                felt.circulation * share,
+                felt.core_radius,
                 force,
             )
     return force

@@ -12,7 +12,7 @@ from upwash.aero.compiled.rings import add_velocity_gradient, fill_velocity
 
 
 def velocity(
-    points: ArrayLike, rings: ArrayLike, circulation: ArrayLike, core_radius: float
+    points: ArrayLike, rings: ArrayLike, circulation: ArrayLike, core_radius: ArrayLike
 ) -> NDArray[np.float64]:
     """Return the velocity that vortex rings induce at any number of points: the sum over their filaments.
 
@@ -24,8 +24,8 @@ def velocity(
         Tilted rectangles as in `upwash.aero.wake.Wake`, in m.
     circulation : (n,) array_like of float
         Circulation of each ring, in m²/s.
-    core_radius : float
-        Radius of the filaments' cores, in m.
+    core_radius : float or (n,) array_like of float
+        Radius of the cores of all filaments, or of each ring's, in m.
 
     Returns
     -------
@@ -35,14 +35,12 @@ def velocity(
     points = np.asarray(points, dtype=float)
     flat = np.require(points.reshape(-1, 3), requirements=["C", "W"])
     found = np.empty_like(flat)
-    fill_velocity(
-        flat, np.array(rings, dtype=float), np.array(circulation, dtype=float), float(core_radius), found
-    )
+    fill_velocity(flat, *_arrays(rings, circulation, core_radius), found)
     return found.reshape(points.shape)
 
 
 def velocity_gradient(
-    points: ArrayLike, rings: ArrayLike, circulation: ArrayLike, core_radius: float
+    points: ArrayLike, rings: ArrayLike, circulation: ArrayLike, core_radius: ArrayLike
 ) -> NDArray[np.float64]:
     """Return the exact gradient of `velocity`; on a core edge, that from inside the core.
 
@@ -59,6 +57,13 @@ def velocity_gradient(
     points = np.asarray(points, dtype=float)
     flat = np.array(points.reshape(-1, 3))
     found = np.zeros((flat.shape[0], 9))
-    rings, circulation = np.array(rings, dtype=float), np.array(circulation, dtype=float)
-    add_velocity_gradient(flat, rings, circulation, float(core_radius), found)
+    add_velocity_gradient(flat, *_arrays(rings, circulation, core_radius), found)
     return found.reshape((*points.shape, 3))
+
+
+def _arrays(
+    rings: ArrayLike, circulation: ArrayLike, core_radius: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return rings as the compiled loops take them."""
+    strengths = np.array(circulation, dtype=float)
+    return np.array(rings, dtype=float), strengths, np.full(strengths.shape, core_radius, dtype=float)

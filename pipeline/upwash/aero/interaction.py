@@ -19,7 +19,7 @@ from upwash.aero.endless import endless_wind, endless_window
 from upwash.aero.induction import velocity
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.span_integral import ring_velocity, span_antiderivative, span_nodes
-from upwash.aero.wake import WakeModel, stroke_height, vortex_wake, wake_at_phases
+from upwash.aero.wake import Wake, WakeModel, stroke_height, vortex_wake, wake_at_phases
 from upwash.aero.wingbeat import wingbeat_steps
 
 
@@ -109,8 +109,7 @@ def state_forces(
         bird.wavelength_m,
         bird.circulation_m2_s,
         bird.circulation_ratio,
-        states,
-        model.wavelengths,
+        model,
     )
     steps = wingbeat_steps(model)
     circulation = bird.circulation_m2_s * steps.circulation(bird.circulation_ratio)
@@ -119,16 +118,7 @@ def state_forces(
         half_span = b * ((1.0 - steps.flexed[k]) + steps.flexed[k] * pose.stroke.span_ratio)
         height = pose.stroke.amplitude_m * steps.height[k]
         for j in range(states):
-            of_state = wake.state == j
-            mean = _mean_wind(
-                pose,
-                half_span,
-                height,
-                wake.rings[of_state],
-                wake.circulation[of_state],
-                model.core_radius_ratio * b,
-                model,
-            )
+            mean = _mean_wind(pose, half_span, height, wake.only(wake.state == j), model)
             # v × ŷ = (−v_z, 0, v_x): streamwise velocity lifts, upwash pulls forward.
             forces[j, k] = bird.density_kg_m3 * circulation[k] * 2.0 * half_span * mean
     return forces
@@ -138,18 +128,15 @@ def _mean_wind(
     pose: Pose,
     half_span: float,
     height: float,
-    rings: NDArray[np.float64],
-    circulation: NDArray[np.float64],
-    core_radius: float,
+    wake: Wake,
     model: WakeModel,
 ) -> NDArray[np.float64]:
-    """Return v_x and v_z of rings, averaged over a span that is raised by a height."""
+    """Return v_x and v_z of a wake, averaged over a span that is raised by a height."""
     x, y, z = pose.position_m
+    felt = wake.rings, wake.circulation, wake.core_radius
     if not isinstance(model.span_nodes, int):
         ends = [
-            np.array(
-                span_antiderivative(x, y + side, z + height, rings, circulation, core_radius, model.core)
-            )
+            np.array(span_antiderivative(x, y + side, z + height, *felt, model.core))
             for side in (half_span, -half_span)
         ]
         return (ends[0] - ends[1]) / (2.0 * half_span)
@@ -159,9 +146,9 @@ def _mean_wind(
     points[:, 1] = y + half_span * nodes
     points[:, 2] = z + height
     if model.core == "rankine":
-        wind = velocity(points, rings, circulation, core_radius)
+        wind = velocity(points, *felt)
     else:
-        wind = ring_velocity(points, rings, circulation, core_radius, model.core)
+        wind = ring_velocity(points, *felt, model.core)
     return (weights @ wind)[[0, 2]]
 
 
@@ -176,7 +163,7 @@ def _gauss_force(bird: Bird, ahead: Stroke, pose: Pose, model: WakeModel) -> NDA
         bird.wavelength_m,
         bird.circulation_m2_s,
         bird.circulation_ratio,
-        model.wavelengths,
+        model,
     )
     half_span = b * ((1.0 - steps.flexed) + steps.flexed * pose.stroke.span_ratio)
     per_wind = bird.density_kg_m3 * bird.circulation_m2_s * steps.circulation(bird.circulation_ratio)
@@ -186,9 +173,7 @@ def _gauss_force(bird: Bird, ahead: Stroke, pose: Pose, model: WakeModel) -> NDA
             pose,
             half_span[k],
             pose.stroke.amplitude_m * steps.height[k],
-            wake.rings[wake.state == k],
-            wake.circulation[wake.state == k],
-            model.core_radius_ratio * b,
+            wake.only(wake.state == k),
             model,
         )
         force += steps.weight[k] * per_wind[k] * 2.0 * half_span[k] * mean

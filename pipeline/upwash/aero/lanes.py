@@ -8,7 +8,18 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.aero.compiled.lanes import FIRST_X, FIRST_Z, LAST_X, LAST_Z
+from upwash.aero.compiled.lanes import (
+    ALONG_X,
+    ALONG_Z,
+    CORE2,
+    HEIGHT,
+    NODE,
+    ROWS,
+    SLIDING,
+    SPAN_FIXED,
+    SPAN_FLEXED,
+    STEADY,
+)
 from upwash.aero.compiled.rings import FOUR_PI
 from upwash.aero.span_integral import span_nodes
 from upwash.aero.wake import Wake, stroke_height, stroke_span
@@ -40,27 +51,56 @@ def wake_lanes(
 
     Returns
     -------
-    (14, N m n) ndarray of float
+    (15, N m n) ndarray of float
         One column a lane; lanes of one follower state and node are neighbours.
     """
     nodes, weights = span_nodes(node_count)
-    columns = []
+    repeats = stroke_states * nodes.size
+    lanes = np.empty((ROWS, repeats * wake.circulation.size))
+    fill_rings(lanes, wake)
+    lane = 0
     for k in range(stroke_states):
         fixed, flexed = stroke_span(k / stroke_states)
         for node, weight in zip(nodes, weights, strict=True):
-            for ring, circulation, j in zip(wake.rings, wake.circulation, wake.state, strict=True):
-                along = np.array([ring[LAST_X] - ring[FIRST_X], ring[LAST_Z] - ring[FIRST_Z]])
+            for circulation, j in zip(wake.circulation, wake.state, strict=True):
                 strength = follower_circulation[k] * weight * circulation / FOUR_PI
-                columns.append(
-                    [
-                        *ring,
-                        *(along / np.linalg.norm(along)),
-                        node,
-                        fixed,
-                        flexed,
-                        stroke_height(k / stroke_states),
-                        strength * steady[j, k],
-                        strength * sliding[j, k],
-                    ]
-                )
-    return np.ascontiguousarray(np.array(columns).T)
+                lanes[NODE, lane], lanes[HEIGHT, lane] = node, stroke_height(k / stroke_states)
+                lanes[SPAN_FIXED, lane], lanes[SPAN_FLEXED, lane] = fixed, flexed
+                lanes[STEADY, lane], lanes[SLIDING, lane] = strength * steady[j, k], strength * sliding[j, k]
+                lane += 1
+    return lanes
+
+
+def fill_rings(lanes: NDArray[np.float64], wake: Wake) -> None:
+    """Overwrite where the rings of lanes lie and how wide their cores are, by a wake of as many rings.
+
+    Parameters
+    ----------
+    lanes : (15, k n) ndarray of float
+        From `wake_lanes`.
+    wake : Wake
+        Its n rings.
+    """
+    repeats = lanes.shape[1] // wake.circulation.size
+    first_x, last_x, first_z, last_z = wake.rings.T[:4]
+    length = np.hypot(last_x - first_x, last_z - first_z)
+    lanes[:6] = np.tile(wake.rings.T, repeats)
+    lanes[ALONG_X] = np.tile((last_x - first_x) / length, repeats)
+    lanes[ALONG_Z] = np.tile((last_z - first_z) / length, repeats)
+    lanes[CORE2] = np.tile(wake.core_radius**2, repeats)
+
+
+def core_edges(lanes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the squared distances beyond which the outer branch of the cores holds, filament by filament.
+
+    Parameters
+    ----------
+    lanes : (15, l) ndarray of float
+        From `wake_lanes`.
+
+    Returns
+    -------
+    (4, l) ndarray of float
+        As the compiled force takes them.
+    """
+    return np.tile(lanes[CORE2], (4, 1))

@@ -44,7 +44,7 @@ def span_antiderivative(
     z: ArrayLike,
     rings: NDArray[np.float64],
     circulation: NDArray[np.float64],
-    core_radius: float,
+    core_radius: float | NDArray[np.float64],
     core: str = "rankine",
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the antiderivative over y of the streamwise and of the vertical velocity of rings.
@@ -57,8 +57,8 @@ def span_antiderivative(
         Tilted rectangles as in `upwash.aero.wake.Wake`, in m.
     circulation : (n,) ndarray of float
         Circulation of each ring, in m²/s.
-    core_radius : float
-        Radius of the filaments' cores, in m.
+    core_radius : float or (n,) ndarray of float
+        Radius of the cores of all filaments, or of each ring's, in m.
     core : str
         ``rankine`` or ``rosenhead-moore``.
 
@@ -101,7 +101,7 @@ def ring_velocity(
     points: ArrayLike,
     rings: NDArray[np.float64],
     circulation: NDArray[np.float64],
-    core_radius: float,
+    core_radius: float | NDArray[np.float64],
     core: str = "rankine",
 ) -> NDArray[np.float64]:
     """Return the velocity of rings at points, for either core: the slope of the antiderivative, and v_y.

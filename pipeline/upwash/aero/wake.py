@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -211,12 +211,19 @@ class Wake:
         Stroke state to which the ring belongs.
     is_upstroke : (n,) ndarray of bool
         Whether the ring was shed on an upstroke.
+    core_radius : (n,) ndarray of float
+        Radius of the cores of the ring's filaments, in m.
     """
 
     rings: NDArray[np.float64]
     circulation: NDArray[np.float64]
     state: NDArray[np.int64]
     is_upstroke: NDArray[np.bool_]
+    core_radius: NDArray[np.float64]
+
+    def only(self, chosen: NDArray[np.bool_]) -> Wake:
+        """Return some of the rings."""
+        return Wake(*(getattr(self, each.name)[chosen] for each in fields(self)))
 
     def corners(self) -> NDArray[np.float64]:
         """Corners of each ring in the order of its loop, in m.
@@ -264,8 +271,7 @@ def vortex_wake(
     wavelength: float,
     circulation: float,
     circulation_ratio: float = 1.0,
-    stroke_states: int = 2,
-    wavelengths: int | float = 1,
+    model: WakeModel | None = None,
 ) -> Wake:
     """Return the vortex rings behind a leader in each stroke state.
 
@@ -283,19 +289,18 @@ def vortex_wake(
         Circulation of the downstroke rings in m²/s.
     circulation_ratio : float
         Circulation of the upstroke rings over that of the downstroke rings.
-    stroke_states : int
-        Number of stroke states.
-    wavelengths : int
-        Length of the wake.
+    model : WakeModel, optional
+        Resolution, length and cores; the paper's if not given.
 
     Returns
     -------
     Wake
         Ring by ring: wavelength by wavelength, in each ordered by state and then downstream.
     """
-    shifts = [wavelength * state / stroke_states for state in range(stroke_states)]
+    model = model or WakeModel()
+    shifts = [wavelength * state / model.stroke_states for state in range(model.stroke_states)]
     stroke = amplitude, upstroke_span_ratio
-    return _cut_wake(shifts, *stroke, semispan, wavelength, circulation, circulation_ratio, wavelengths)
+    return _cut_wake(shifts, *stroke, semispan, wavelength, circulation, circulation_ratio, model)
 
 
 def wake_at_phases(
@@ -306,7 +311,7 @@ def wake_at_phases(
     wavelength: float,
     circulation: float,
     circulation_ratio: float = 1.0,
-    wavelengths: int | float = 1,
+    model: WakeModel | None = None,
 ) -> Wake:
     """Return the vortex rings behind a leader at any phases of its wingbeat, in their order as its states.
 
@@ -314,12 +319,14 @@ def wake_at_phases(
     ----------
     phases : sequence of float
         Phases of the leader, 0 being the end of its upstroke.
-    amplitude, upstroke_span_ratio, semispan, wavelength, circulation, circulation_ratio, wavelengths
-        As for `vortex_wake`.
+    amplitude, upstroke_span_ratio, semispan, wavelength, circulation, circulation_ratio, model
+        As for `vortex_wake`; its stroke states have no say here.
     """
     shifts = [wavelength * (phase % 1.0) for phase in phases]
     stroke = amplitude, upstroke_span_ratio
-    return _cut_wake(shifts, *stroke, semispan, wavelength, circulation, circulation_ratio, wavelengths)
+    return _cut_wake(
+        shifts, *stroke, semispan, wavelength, circulation, circulation_ratio, model or WakeModel()
+    )
 
 
 def _cut_wake(
@@ -330,12 +337,12 @@ def _cut_wake(
     wavelength: float,
     circulation: float,
     circulation_ratio: float,
-    wavelengths: int | float,
+    model: WakeModel,
 ) -> Wake:
     """Return the chain of rectangles carried downstream by each shift, cut at the leader and repeated."""
-    if wavelengths == math.inf:
+    if model.is_endless:
         raise ValueError("wavelengths: expected a wake that ends, found inf")
-    wavelengths = int(wavelengths)
+    wavelengths = int(model.wavelengths)
     half = 0.5 * wavelength
     rings, strengths, states, upstroke = [], [], [], []
     for state, shift in enumerate(shifts):
@@ -357,6 +364,7 @@ def _cut_wake(
         np.tile(strengths, wavelengths),
         np.tile(states, wavelengths),
         np.tile(upstroke, wavelengths),
+        np.full(wavelengths * len(rings), model.core_radius_ratio * semispan),
     )
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
 from upwash.aero.pose import Stroke
-from upwash.aero.wake import WakeModel, vortex_wake
+from upwash.aero.wake import WakeModel, wake_at_phases
 
 IMAGES = 10
 """Wavelengths of images on each side: the energy is then known to 3e-5."""
@@ -59,14 +59,14 @@ def wake_power_w(bird: Bird, stroke: Stroke, model: WakeModel | None = None) -> 
     """
     model = model or WakeModel()
     least = model.core_radius_ratio * bird.semispan_m * _LEAST_DISTANCE[model.core]
-    wake = vortex_wake(
+    wake = wake_at_phases(
+        [0.0],
         stroke.amplitude_m,
         stroke.span_ratio,
         bird.semispan_m,
         bird.wavelength_m,
         bird.circulation_m2_s,
         bird.circulation_ratio,
-        stroke_states=1,
     )
     shifts = bird.wavelength_m * np.arange(-IMAGES, IMAGES + 1, dtype=np.float64)
     integral = 0.0

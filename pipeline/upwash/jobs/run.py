@@ -170,7 +170,7 @@ def compiling(job: Job) -> str:
         return ""
     from upwash.kernel import COMPILING, is_kept
     from upwash.optimum.compiled.boxes import clear_boxes
-    from upwash.optimum.compiled.descent import solve_many
+    from upwash.optimum.compiled.pair_descent import solve_many
 
     return "" if is_kept(solve_many) and is_kept(clear_boxes) else COMPILING
 

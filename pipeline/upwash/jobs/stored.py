@@ -7,7 +7,7 @@ from math import inf
 
 from upwash import columns as of
 from upwash.aero.pose import Pose, Stroke
-from upwash.optimum import problem
+from upwash.optimum import variables
 from upwash.optimum.endless.problem import DISTANCE
 
 Complaints = Iterator[tuple[str, str]]
@@ -56,16 +56,16 @@ def bounds_behind(row: of.Stored, ahead: Stroke, limit_m: float) -> dict[str, tu
         Largest amplitude of the row's bird, in m.
     """
     wavelength = row["speed_m_s"] * row["period_s"]
-    x = (0.0, problem.STREAMWISE_REACH * wavelength)
+    x = (0.0, variables.STREAMWISE_REACH * wavelength)
     if row["wavelengths"] == inf:
         # It is the distance asked for.
         x = (row["distance_m"] or DISTANCE * wavelength,) * 2
     return {
         "x_m": x,
-        "y_m": (0.0, problem.SPANWISE_REACH * row["semispan_m"]),
+        "y_m": (0.0, variables.SPANWISE_REACH * row["semispan_m"]),
         "z_m": (-ahead.amplitude_m, ahead.amplitude_m),
-        "amplitude_m": (problem.LEAST_AMPLITUDE * limit_m, limit_m),
-        "upstroke_span_ratio": problem.SPAN_RATIO_BOUNDS,
+        "amplitude_m": (variables.LEAST_AMPLITUDE * limit_m, limit_m),
+        "upstroke_span_ratio": variables.SPAN_RATIO_BOUNDS,
         "phase": (0.0, 1.0),
     }
 

@@ -23,10 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.optimum.compiled.boxes import clear_boxes
-from upwash.optimum.compiled.relaxation import MARGIN
+from upwash.optimum.compiled.relaxation import MARGIN, Limits
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.search import Basin
 from upwash.optimum.settings import SearchSettings
+from upwash.optimum.variables import VARIABLE_COUNT
 
 Descend = Callable[[NDArray[np.float64]], list[Basin]]
 """Starts -> the solutions that local solves from them reach, best first."""
@@ -94,13 +95,13 @@ def certify(
     (x, y, z, h, ratio, phase) = bounds
     if np.any(bounds[:, 0] > bounds[:, 1]):
         return Certificate(np.inf, 0, True, None)
-    lows, highs = np.empty((DEPTH, 6)), np.empty((DEPTH, 6))
+    lows, highs = np.empty((DEPTH, VARIABLE_COUNT)), np.empty((DEPTH, VARIABLE_COUNT))
     multipliers, floors = np.zeros((DEPTH, 2)), np.full(DEPTH, -np.inf)
     lows[0] = x[0], y[0], z[0] + 0.5 * h[0], z[0] - 0.5 * h[1], ratio[0], phase[0]
     highs[0] = x[1], y[1], z[1] + 0.5 * h[1], z[1] - 0.5 * h[0], ratio[1], phase[1]
     lows[0, 2:4] -= MARGIN
     highs[0, 2:4] += MARGIN
-    limits, centre = np.array([*z, *h]), np.empty(6)
+    limits, centre = Limits(*z, *h), np.empty(VARIABLE_COUNT)
     # With no incumbent a box is cleared only where no balance is possible.
     best, threshold = incumbent, min(incumbent / (1.0 + tolerance), UNREACHABLE_COST)
     found: Basin | None = None

@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.optimum.compiled.edges import edge_distance
+from upwash.optimum.compiled.pair_descent import FeltLanes
+from upwash.optimum.variables import VARIABLE_COUNT
 
 FILAMENTS = ("starting", "stopping", "left tip", "right tip")
 """The filaments of a ring, in the order of the first axis of an `edges` array."""
 
 
 def distinct_edges(
-    lanes: NDArray[np.float64], core2: float, bounds: NDArray[np.float64]
+    lanes: NDArray[np.float64], bounds: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Find which filaments and lanes share a core edge.
 
@@ -25,10 +27,8 @@ def distinct_edges(
 
     Parameters
     ----------
-    lanes : (14, l) ndarray of float
+    lanes : (15, l) ndarray of float
         See `upwash.aero.lanes.wake_lanes`.
-    core2 : float
-        Square of the core radius.
     bounds : (6, 2) ndarray of float
         Bounds of the variables.
 
@@ -39,18 +39,47 @@ def distinct_edges(
     representative : (e, 2) ndarray of int
         A lane and a filament of each edge.
     """
-    fractions = np.random.default_rng(0).uniform(0.1, 0.9, size=(3, 6))
+    fractions = np.random.default_rng(0).uniform(0.1, 0.9, size=(3, VARIABLE_COUNT))
     points = bounds[:, 0] + fractions * (bounds[:, 1] - bounds[:, 0])
-    scratch = np.empty(6)
+    scratch = np.empty(VARIABLE_COUNT)
     known: dict[tuple[float, ...], int] = {}
     group = np.empty((4, lanes.shape[1]), dtype=np.int64)
     representative: list[tuple[int, int]] = []
     for lane in range(lanes.shape[1]):
         for filament in range(4):
-            distances = (edge_distance(point, lanes, core2, lane, filament, scratch) for point in points)
+            distances = (edge_distance(point, lanes, lane, filament, scratch) for point in points)
             key = tuple(round(distance, 9) for distance in distances)
             if key not in known:
                 known[key] = len(representative)
                 representative.append((lane, filament))
             group[filament, lane] = known[key]
     return group, np.array(representative, dtype=np.int64)
+
+
+def felt_lanes(lanes: NDArray[np.float64], bounds: NDArray[np.float64]) -> FeltLanes:
+    """Return a wake with its core edges, as the local solve takes it; parameters as for `distinct_edges`."""
+    return FeltLanes(lanes, *distinct_edges(lanes, bounds))
+
+
+def edge_distances(
+    felt: FeltLanes, point: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return how far a point is from each core edge, negative inside, and the slopes of that.
+
+    Parameters
+    ----------
+    felt : FeltLanes
+        The wake.
+    point : (6,) ndarray of float
+        The point.
+
+    Returns
+    -------
+    tuple of (e,) and (e, 6) ndarray of float
+        Distances s = r²/r_c² − 1, and their gradients.
+    """
+    count = len(felt.representative)
+    distances, normals = np.empty(count), np.empty((count, VARIABLE_COUNT))
+    for number, (lane, filament) in enumerate(felt.representative):
+        distances[number] = edge_distance(point, felt.lanes, lane, filament, normals[number])
+    return distances, normals

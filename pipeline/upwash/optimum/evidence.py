@@ -14,7 +14,7 @@ starboard, by symmetry, and whether the follower gains by moving aside is told b
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -23,12 +23,14 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from upwash.aero.compiled.lanes import HEIGHT, NODE
-from upwash.optimum.compiled.descent import SCALE, lagrangian_hessian
-from upwash.optimum.compiled.edges import edge_distance, edge_pull
-from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.optimum.compiled.edges import edge_pull
+from upwash.optimum.compiled.pair_descent import FeltLanes, fill_hessian
+from upwash.optimum.compiled.problem import evaluate
+from upwash.optimum.compiled.programme import new_balance
 from upwash.optimum.core_edge import BOTH, CoreEdge
-from upwash.optimum.edges import FILAMENTS
-from upwash.optimum.problem import VARIABLES, PairProblem
+from upwash.optimum.edges import FILAMENTS, edge_distances
+from upwash.optimum.problem import PairProblem
+from upwash.optimum.variables import SCALE, VARIABLE_COUNT, VARIABLES
 
 ON_EDGE = 1e-7
 """Largest distance from a core edge, as s = r²/r_c² − 1, of a point that lies on it."""
@@ -68,20 +70,40 @@ class Evidence:
     curvature: float | None
 
 
-def gather_evidence(
-    problem: PairProblem,
-    group: NDArray[np.int64],
-    representative: NDArray[np.int64],
-    point: NDArray[np.float64],
-) -> Evidence:
+@dataclass(frozen=True)
+class Vicinity:
+    """The smooth pieces that meet in a point, and what is asked of them.
+
+    Attributes
+    ----------
+    on_edge : (e,) ndarray of int
+        Numbers of the core edges that the point lies on.
+    normals : (e, 6) ndarray of float
+        Gradients of their distances.
+    slopes : callable
+        Sides, 1 inside and −1 outside for each of those edges -> gradient of the cost and Jacobian of the balances.
+    pull : callable
+        Edge and multipliers of the balances -> what the edge adds to the Lagrangian.
+    hessian : callable
+        Multipliers of the balances and of those edges -> Hessian of the Lagrangian, seen from inside of them.
+    """
+
+    on_edge: NDArray[np.int64]
+    normals: NDArray[np.float64]
+    slopes: Callable[[NDArray[np.float64]], tuple[NDArray[np.float64], NDArray[np.float64]]]
+    pull: Callable[[int, NDArray[np.float64]], float]
+    hessian: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+
+
+def gather_evidence(problem: PairProblem, felt: FeltLanes, point: NDArray[np.float64]) -> Evidence:
     """Examine a balanced point, trusting nothing of the solve that found it.
 
     Parameters
     ----------
     problem : PairProblem
         The problem.
-    group, representative : ndarray of int
-        Its core edges, see `upwash.optimum.edges.distinct_edges`.
+    felt : FeltLanes
+        Its wake and core edges, see `upwash.optimum.edges.felt_lanes`.
     point : (6,) ndarray of float
         The point, in scaled variables.
 
@@ -90,52 +112,86 @@ def gather_evidence(
     Evidence
         What was found.
     """
-    core2, lanes = problem.constants[CORE2], problem.lanes
-    distances, normals = np.empty(len(representative)), np.empty((len(representative), 6))
-    for number, (lane, filament) in enumerate(representative):
-        distances[number] = edge_distance(point, lanes, core2, lane, filament, normals[number])
+    distances, normals = edge_distances(felt, point)
     on_edge = np.flatnonzero(np.abs(distances) < ON_EDGE)
-    # The sides are held as they are, for an edge may be nearer than the step of the differences below.
-    edges = np.where(distances[group] < ON_EDGE, np.inf, -1.0)
-    residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
-    evaluate(point, lanes, edges, problem.constants, residual, gradient, jacobian)
+    # The sides are held as they are, for an edge may be nearer than the step of the differences.
+    held = np.where(distances[felt.group] < ON_EDGE, np.inf, -1.0)
+    none = np.empty(0, np.int64), np.empty(0), 0
 
-    at_lower = point - problem.bounds[:, 0] <= ON_BOUND * SCALE
-    at_upper = problem.bounds[:, 1] - point <= ON_BOUND * SCALE
-    bound_rows = np.concatenate([-np.eye(6)[at_lower], np.eye(6)[at_upper]])
-    normals = normals[on_edge]
+    def slopes(sides: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        edges, balance = held.copy(), new_balance()
+        for edge, side in zip(on_edge, sides, strict=True):
+            edges[felt.group == edge] = np.inf if side > 0.0 else -1.0
+        evaluate(point, felt.lanes, edges, problem.constants, *balance)
+        return balance.gradient, balance.jacobian
+
+    def hessian(multipliers: NDArray[np.float64], of_edges: NDArray[np.float64]) -> NDArray[np.float64]:
+        pins, found = np.zeros(len(distances)), np.empty((VARIABLE_COUNT, VARIABLE_COUNT))
+        pins[on_edge] = of_edges
+        work, pinned = np.empty((8, VARIABLE_COUNT)), np.empty(len(on_edge), np.int64)
+        fill_hessian(point, felt, problem.constants, held, *none, pins, multipliers, pinned, work, found)
+        return found
+
+    def pull(edge: int, multipliers: NDArray[np.float64]) -> float:
+        return edge_pull(point, felt.lanes, felt.group, edge, multipliers)
+
+    vicinity = Vicinity(on_edge, normals[on_edge], slopes, pull, hessian)
+    return weigh(point, problem.bounds, vicinity)
+
+
+def weigh(
+    point: NDArray[np.float64],
+    bounds: NDArray[np.float64],
+    vicinity: Vicinity,
+    *,
+    unbounded: Sequence[int] = (),
+    fixed: Sequence[int] = (),
+) -> Evidence:
+    """Say what speaks for a point, by the smooth pieces that meet in it.
+
+    Parameters
+    ----------
+    point : (6,) ndarray of float
+        The point, in scaled variables.
+    bounds : (6, 2) ndarray of float
+        Bounds of the variables.
+    vicinity : Vicinity
+        The pieces.
+    unbounded : sequence of int
+        Variables that are never held by a bound.
+    fixed : sequence of int
+        Variables that have no range.
+
+    Returns
+    -------
+    Evidence
+        What was found.
+    """
+    on_edge, normals = vicinity.on_edge, vicinity.normals
+    gradient, jacobian = vicinity.slopes(np.ones(len(on_edge)))
+    at_lower = point - bounds[:, 0] <= ON_BOUND * SCALE
+    at_upper = bounds[:, 1] - point <= ON_BOUND * SCALE
+    at_lower[[*unbounded, *fixed]] = at_upper[[*unbounded, *fixed]] = False
+    bound_rows = np.concatenate([-np.eye(VARIABLE_COUNT)[at_lower], np.eye(VARIABLE_COUNT)[at_upper]])
     # Gradient + jacobianᵀ ν + normalsᵀ λ + boundᵀ ω = 0 in units of SCALE; ω must not be negative.
     columns = np.concatenate([jacobian, normals, bound_rows]).T * SCALE[:, None]
     solution, _, independent, _ = np.linalg.lstsq(columns, -gradient * SCALE, rcond=1e-12)
     left = np.max(np.abs(gradient * SCALE + columns @ solution))
-    edge_multipliers = solution[2 : 2 + len(on_edge)]
-    violation = max(0.0, *(-solution[2 + len(on_edge) :]), 0.0)
-    for multiplier, edge, normal in zip(edge_multipliers, on_edge, normals, strict=True):
-        pull = edge_pull(point, lanes, core2, group, int(edge), solution[:2])
+    edges = 2 + len(on_edge)
+    violation = max(0.0, *(-solution[edges:]), 0.0)
+    for multiplier, edge, normal in zip(solution[2:edges], on_edge, normals, strict=True):
+        pull = vicinity.pull(int(edge), solution[:2])
         size = float(np.max(np.abs(normal * SCALE)))
         violation = max(violation, -multiplier * size, (multiplier + pull) * size)
     if independent < columns.shape[1]:
-        solution, left = _piecewise(problem, group, point, on_edge, columns[:, 2:])
-        edge_multipliers, violation = solution[2 : 2 + len(on_edge)], 0.0
-    multipliers = solution[:2]
-
-    all_multipliers = np.zeros(len(representative))
-    all_multipliers[on_edge] = edge_multipliers
-    hessian = np.empty((6, 6))
-    lagrangian_hessian(
-        point,
-        lanes,
-        edges,
-        problem.constants,
-        multipliers,
-        representative,
-        all_multipliers,
-        np.empty((8, 6)),
-        hessian,
-    )
+        solution, left = _piecewise(vicinity, columns[:, 2:])
+        violation = 0.0
+    hessian = vicinity.hessian(solution[:2].copy(), solution[2:edges])
     is_held = np.ones(columns.shape[1], dtype=bool)
-    is_held[2 + len(on_edge) :] = solution[2 + len(on_edge) :] > PRESSED
-    _, singular, rows = np.linalg.svd(columns[:, is_held].T)
+    is_held[edges:] = solution[edges:] > PRESSED
+    _, singular, rows = np.linalg.svd(
+        np.concatenate([columns[:, is_held].T, np.eye(VARIABLE_COUNT)[list(fixed)]])
+    )
     free = rows[np.sum(singular > 1e-9 * max(1.0, singular[0])) :]
     curvature = None
     if len(free):
@@ -146,30 +202,22 @@ def gather_evidence(
     return Evidence(
         active_bounds=tuple(names),
         core_edges=tuple(int(edge) for edge in on_edge),
-        multiplier_lift=float(multipliers[0]),
-        multiplier_thrust=float(multipliers[1]),
+        multiplier_lift=float(solution[0]),
+        multiplier_thrust=float(solution[1]),
         stationarity=float(max(left, violation)),
         curvature=curvature,
     )
 
 
-def _piecewise(
-    problem: PairProblem,
-    group: NDArray[np.int64],
-    point: NDArray[np.float64],
-    on_edge: NDArray[np.intp],
-    normals: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], float]:
+def _piecewise(vicinity: Vicinity, normals: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Look for multipliers of the right signs within each smooth piece that meets in a point.
 
     Parameters
     ----------
-    problem, group, point
-        As for `gather_evidence`.
-    on_edge : (e,) ndarray of int
-        Core edges that the point lies on.
+    vicinity : Vicinity
+        The pieces.
     normals : (6, e + b) ndarray of float
-        Outward normals of those edges and of the active bounds, in units of `SCALE`.
+        Outward normals of the core edges and of the active bounds, in units of `SCALE`.
 
     Returns
     -------
@@ -178,13 +226,9 @@ def _piecewise(
     left : float
         What is left of the gradient in the worst piece.
     """
-    residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
     found, worst = np.empty(0), 0.0
-    for sides in product((1.0, -1.0), repeat=len(on_edge)):
-        edges = np.full(group.shape, problem.constants[CORE2])
-        for edge, side in zip(on_edge, sides, strict=True):
-            edges[group == edge] = np.inf if side > 0.0 else -1.0
-        evaluate(point, problem.lanes, edges, problem.constants, residual, gradient, jacobian)
+    for sides in product((1.0, -1.0), repeat=len(vicinity.on_edge)):
+        gradient, jacobian = vicinity.slopes(np.array(sides))
         balances = jacobian.T * SCALE[:, None]
         outward = normals * np.append(sides, np.ones(normals.shape[1] - len(sides)))
         # The balances' multipliers have either sign: each is the difference of two that are not negative.
@@ -220,9 +264,9 @@ class StatedEvidence:
         )
 
 
-def stated(problem: PairProblem, representative: NDArray[np.int64], evidence: Evidence) -> StatedEvidence:
+def stated(problem: PairProblem, felt: FeltLanes, evidence: Evidence) -> StatedEvidence:
     """State the evidence at a point; parameters as for `gather_evidence`."""
-    edges = (name_edge(problem, *representative[edge]) for edge in evidence.core_edges)
+    edges = (name_edge(problem, *felt.representative[edge]) for edge in evidence.core_edges)
     return StatedEvidence.of(evidence, edges)
 
 

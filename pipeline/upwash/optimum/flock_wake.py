@@ -124,7 +124,7 @@ def superposed_wake(bird: Bird, places: Sequence[Place], model: WakeModel) -> Wa
         Bird by bird; the states of the second are numbered on from those of the first, and so forth.
     """
     b, last, states = bird.semispan_m, places[-1].pose, model.stroke_states
-    rings, circulation, state, is_upstroke = [], [], [], []
+    rings, circulation, state, is_upstroke, core_radius = [], [], [], [], []
     for number, one in enumerate(places):
         wake = vortex_wake(
             one.pose.stroke.amplitude_m / b,
@@ -133,15 +133,16 @@ def superposed_wake(bird: Bird, places: Sequence[Place], model: WakeModel) -> Wa
             bird.wavelength_m / b,
             bird.circulation_m2_s / b,
             bird.circulation_ratio,
-            states,
-            model.wavelengths,
+            model,
         )
         x, y, z = (apart / b for apart in one.pose.relative_to(last).position_m)
         rings.append(wake.rings + np.array([x, x, z, z, y, 0.0]))
         circulation.append(wake.circulation)
         state.append(wake.state + number * states)
         is_upstroke.append(wake.is_upstroke)
-    return Wake(*(np.concatenate(parts) for parts in (rings, circulation, state, is_upstroke)))
+        core_radius.append(wake.core_radius)
+    parts = rings, circulation, state, is_upstroke, core_radius
+    return Wake(*(np.concatenate(part) for part in parts))
 
 
 def flock_problems(

@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize, nnls
 
-from upwash.optimum.compiled.descent import SCALE
-from upwash.optimum.compiled.problem import CORE2
-from upwash.optimum.edges import distinct_edges
+from upwash.aero.compiled.lanes import CORE2
+from upwash.optimum.edges import felt_lanes
 from upwash.optimum.evidence import ON_BOUND, ON_EDGE, gather_evidence
 from upwash.optimum.flock_solution import FlockSolution, Member, on_side
 from upwash.optimum.joint_problem import Edges, Evaluation, JointProblem, Sides
 from upwash.optimum.search import Basin
 from upwash.optimum.solution import describe_optimum
+from upwash.optimum.variables import SCALE, VARIABLE_COUNT
 
 WIDEST_BOX, LEAST_BOX, NARROWER = 0.3, 1e-3, 0.3
 """Half-width, in units of `SCALE`, of the box within which one pattern is solved: at first, at last, and the
@@ -132,10 +132,12 @@ def _patterns(problem: JointProblem, point: NDArray[np.float64]) -> Iterator[Sid
 
 def _near(problem: JointProblem, point: NDArray[np.float64], box: float) -> Edges:
     """Return the core edges that a point may reach within a box."""
-    found = problem.distances(point)
-    # A distance is r²/r_c² − 1.  All variables together move a node by some four times what x does.
-    most = 4.0 * box * SCALE[0] / problem.flock.model.core_radius_ratio
-    return [np.flatnonzero(np.abs(one) < most * (2.0 + most)) for one in found]
+    near = []
+    for follower, distances in zip(problem.followers, problem.distances(point), strict=True):
+        # A distance is r²/r_c² − 1.  All variables together move a node by some four times what x does.
+        most = 4.0 * box * SCALE[0] / np.sqrt(np.min(follower.problem.lanes[CORE2]))
+        near.append(np.flatnonzero(np.abs(distances) < most * (2.0 + most)))
+    return near
 
 
 def _descend(
@@ -149,7 +151,7 @@ def _descend(
         key = scaled.tobytes()
         if key not in known:
             known.clear()
-            known[key] = problem.evaluate(scaled.reshape(n, 6) * SCALE, sides, near)
+            known[key] = problem.evaluate(scaled.reshape(n, VARIABLE_COUNT) * SCALE, sides, near)
         return known[key]
 
     def inequalities(scaled: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -178,7 +180,7 @@ def _descend(
         method="SLSQP",
         options={"maxiter": 200, "ftol": 1e-13},
     )
-    return np.clip(result.x, low, high).reshape(n, 6) * SCALE
+    return np.clip(result.x, low, high).reshape(n, VARIABLE_COUNT) * SCALE
 
 
 def _slope_left(problem: JointProblem, point: NDArray[np.float64], sides: Sides) -> float:
@@ -203,13 +205,13 @@ def _describe(problem: JointProblem, point: NDArray[np.float64], left: float) ->
     for follower, own in zip(problem.followers, point, strict=True):
         place = places[follower.number - 1]
         posed, _ = follower.pose(places, place.pose.relative_to(places[follower.leader - 1].pose).phase % 1.0)
-        group, representative = distinct_edges(posed.lanes, posed.constants[CORE2], posed.bounds)
-        evidence = gather_evidence(posed, group, representative, own)
+        felt = felt_lanes(posed.lanes, posed.bounds)
+        evidence = gather_evidence(posed, felt, own)
         optimum = describe_optimum(
             posed,
             Basin(own, 0.0, np.zeros(2), 1),
             replace(evidence, stationarity=left),
-            representative,
+            felt,
             rank=0,
             starts=1,
             is_v_optimum=False,

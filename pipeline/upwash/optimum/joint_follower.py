@@ -12,13 +12,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.aero.compiled.lanes import ALONG_X, ALONG_Z
+from upwash.aero.lanes import core_edges, fill_rings
 from upwash.aero.pose import Pose, Stroke
-from upwash.optimum.compiled.edges import edge_distance
-from upwash.optimum.compiled.problem import CORE2, evaluate
-from upwash.optimum.edges import distinct_edges
+from upwash.optimum.compiled.pair_descent import FeltLanes
+from upwash.optimum.compiled.problem import evaluate
+from upwash.optimum.edges import distinct_edges, edge_distances
 from upwash.optimum.flock_solution import FlockSolution
 from upwash.optimum.flock_wake import FlockProblem, Place, flock_problems, superposed_wake
+from upwash.optimum.variables import VARIABLE_COUNT
 
 GENERIC = 1e-2
 """How far, in m, birds are moved about to tell edges that always coincide from edges that happen to."""
@@ -77,8 +78,7 @@ class Follower:
         )
         # At an optimum edges may happen to coincide; those of birds in general position always do.
         moved = [_moved(place, k) for k, place in enumerate(places)]
-        core2, bounds = self.problem.constants[CORE2], self.problem.bounds
-        self.group, self.representative = distinct_edges(self.lanes(moved), core2, bounds)
+        self.group, self.representative = distinct_edges(self.lanes(moved), self.problem.bounds)
 
     def place(self, variables: NDArray[np.float64], places: Sequence[Place]) -> Place:
         """Return where and how it flies behind birds at their places."""
@@ -116,15 +116,8 @@ class Follower:
 
     def lanes(self, places: Sequence[Place]) -> NDArray[np.float64]:
         """Return its lanes behind birds at their places."""
-        flock = self.flock
-        wake = superposed_wake(flock.bird, self.ahead(places), flock.model)
-        first_x, last_x, first_z, last_z = wake.rings.T[:4]
-        length = np.hypot(last_x - first_x, last_z - first_z)
         lanes = self.problem.lanes.copy()
-        repeats = lanes.shape[1] // len(wake.rings)
-        lanes[:6] = np.tile(wake.rings.T, repeats)
-        lanes[ALONG_X] = np.tile((last_x - first_x) / length, repeats)
-        lanes[ALONG_Z] = np.tile((last_z - first_z) / length, repeats)
+        fill_rings(lanes, superposed_wake(self.flock.bird, self.ahead(places), self.flock.model))
         return lanes
 
     def balance(
@@ -141,10 +134,10 @@ class Follower:
         sides : (e,) ndarray of float or None
             For each core edge, 1 to take the node to lie inside and −1 outside; None to take it as it lies.
         """
-        edges = np.full(self.group.shape, self.problem.constants[CORE2])
+        edges = core_edges(lanes)
         if sides is not None:
             edges = np.where(sides[self.group] > 0.0, np.inf, -1.0)
-        residual, gradient, jacobian = np.empty(2), np.empty(6), np.empty((2, 6))
+        residual, gradient, jacobian = np.empty(2), np.empty(VARIABLE_COUNT), np.empty((2, VARIABLE_COUNT))
         cost = evaluate(variables, lanes, edges, self.problem.constants, residual, gradient, jacobian)
         return cost, residual, gradient, jacobian
 
@@ -152,11 +145,7 @@ class Follower:
         self, variables: NDArray[np.float64], lanes: NDArray[np.float64], edges: NDArray[np.intp]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the distances to some core edges, negative inside, and their slopes by its own variables."""
-        found, slopes = np.empty(len(edges)), np.empty((len(edges), 6))
-        core2 = self.problem.constants[CORE2]
-        for k, (lane, filament) in enumerate(self.representative[edges]):
-            found[k] = edge_distance(variables, lanes, core2, lane, filament, slopes[k])
-        return found, slopes
+        return edge_distances(FeltLanes(lanes, self.group, self.representative[edges]), variables)
 
 
 def _moved(place: Place, seed: int) -> Place:

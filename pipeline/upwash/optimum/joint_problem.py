@@ -14,11 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.optimum.compiled.descent import SCALE
 from upwash.optimum.flock_solution import FlockSolution
 from upwash.optimum.flock_wake import Place
 from upwash.optimum.joint_follower import AMPLITUDE, PHASE, Follower, Z
-from upwash.optimum.problem import LEAST_AMPLITUDE
+from upwash.optimum.variables import LEAST_AMPLITUDE, SCALE, VARIABLE_COUNT
 
 STEP = 1e-6
 """Step of the central differences by what the birds ahead do, in scaled variables."""
@@ -68,7 +67,7 @@ class JointProblem:
     ----------
     followers : list of Follower
         Its n followers.
-    start : (n, 6) ndarray of float
+    start : (n, VARIABLE_COUNT) ndarray of float
         Their variables as they are.
     bounds : (n, 6, 2) ndarray of float
         Bounds.  Where a bird feels more than one wake, its phase is held as it is.
@@ -107,7 +106,7 @@ class JointProblem:
 
         Parameters
         ----------
-        variables : (n, 6) ndarray of float
+        variables : (n, VARIABLE_COUNT) ndarray of float
             The followers' variables.
         sides : list of ndarray, optional
             The pattern.
@@ -115,9 +114,9 @@ class JointProblem:
             Which core edges to report on.
         """
         places, n = self.places(variables), len(self.followers)
-        costs, gradient = np.empty(n), np.zeros((n, 6))
-        residual, residual_slopes = np.empty((n, 2)), np.zeros((n, 2, n, 6))
-        distance, distance_slopes = [np.empty(0)], [np.empty((0, n, 6))]
+        costs, gradient = np.empty(n), np.zeros((n, VARIABLE_COUNT))
+        residual, residual_slopes = np.empty((n, 2)), np.zeros((n, 2, n, VARIABLE_COUNT))
+        distance, distance_slopes = [np.empty(0)], [np.empty((0, n, VARIABLE_COUNT))]
         moved = self._moved(variables)
         for k, (follower, own) in enumerate(zip(self.followers, variables, strict=True)):
             side = sides[k] if sides is not None else None
@@ -125,7 +124,7 @@ class JointProblem:
             lanes = follower.lanes(places)
             costs[k], residual[k], gradient[k], residual_slopes[k, :, k] = follower.balance(own, lanes, side)
             found, by_own = follower.distances(own, lanes, edges)
-            by_all = np.zeros((len(edges), n, 6))
+            by_all = np.zeros((len(edges), n, VARIABLE_COUNT))
             by_all[:, k] = by_own
             for bird, variable in follower.acting:
                 there = [follower.lanes(moved[bird, variable, step]) for step in (STEP, -STEP)]
@@ -175,7 +174,7 @@ class JointProblem:
             terms += [(AMPLITUDE, -1.0, 1.0), (AMPLITUDE, 1.0, -LEAST_AMPLITUDE)]
         for k, follower in enumerate(self.followers):
             for variable, own, ahead in terms:
-                row = np.zeros((len(self.followers), 6))
+                row = np.zeros((len(self.followers), VARIABLE_COUNT))
                 row[k, variable] = own
                 if follower.leader > 1:
                     row[follower.leader - 2, AMPLITUDE] += ahead

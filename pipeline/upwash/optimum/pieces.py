@@ -22,14 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.optimum.certify import certify
-from upwash.optimum.compiled.descent import SCALE
 from upwash.optimum.evidence import ON_BOUND, Evidence, gather_evidence
-from upwash.optimum.problem import VARIABLES, PairProblem
+from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import Proof
 from upwash.optimum.record import V_LABELS, labels
 from upwash.optimum.search import SAME_BASIN, Basin, Search
 from upwash.optimum.settings import SearchSettings
 from upwash.optimum.solution import PairSolution, describe_optimum
+from upwash.optimum.variables import SCALE, VARIABLES
 
 MOST_PROOFS = 8
 """Proofs tried in turn when each spends its budget but meets something better than the last one's best."""
@@ -107,7 +107,7 @@ def solve_pieces(
             one.search.problem,
             one.basin,
             one.evidence,
-            one.search.representative,
+            one.search.felt,
             rank=rank,
             starts=sum(search.starts for search in searches),
             is_v_optimum=one is v_best,
@@ -194,7 +194,7 @@ def _phase_distance(one: _Found, other: _Found) -> float:
 
 
 def _evidence(search: Search, point: NDArray[np.float64]) -> Evidence:
-    return gather_evidence(search.problem, search.group, search.representative, point)
+    return gather_evidence(search.problem, search.felt, point)
 
 
 def _is_optimum(evidence: Evidence) -> bool:

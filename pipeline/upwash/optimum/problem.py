@@ -11,7 +11,7 @@ Two equalities, lift and thrust, hold at every solution; the cost depends on (h,
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,33 +28,8 @@ from upwash.aero.power import (
     parasite_power_w,
 )
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
-from upwash.optimum.compiled.problem import (
-    CORE2,
-    COST_FIXED,
-    COST_FORCE,
-    COST_LIFT2,
-    COST_THRUST,
-    DRAG,
-    LIFT_FIXED,
-    LIFT_RATIO,
-    THRUST_FIXED,
-    THRUST_RATIO,
-)
-
-VARIABLES = ("x", "y", "z", "h", "R", "mu")
-"""Names of the six variables, in order, as they appear in `active_bounds`."""
-
-STREAMWISE_REACH = 1.5
-"""Far bound of x_F − x_L in wavelengths; the paper states none."""
-
-SPANWISE_REACH = 4.0
-"""Far bound of y_F − y_L in semispans; the paper states none."""
-
-LEAST_AMPLITUDE = 0.25
-"""Least amplitude of the follower over the limit above."""
-
-SPAN_RATIO_BOUNDS = (0.3, 0.5)
-"""Bounds of the follower's upstroke span ratio."""
+from upwash.optimum.compiled.problem import Constants
+from upwash.optimum.variables import TABLE, Given, Variable, bounds_of
 
 
 @dataclass(frozen=True)
@@ -90,10 +65,12 @@ class PairProblem:
     model: WakeModel = field(default_factory=WakeModel)
     piece: int = 1
 
+    variables: ClassVar[tuple[Variable, ...]] = TABLE
+
     lanes: NDArray[np.float64] = field(init=False, repr=False, compare=False)
     first_lanes: NDArray[np.int64] = field(init=False, repr=False, compare=False)
     ring_of_lane: NDArray[np.int64] = field(init=False, repr=False, compare=False)
-    constants: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+    constants: Constants = field(init=False, repr=False, compare=False)
     bounds: NDArray[np.float64] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -155,8 +132,7 @@ class PairProblem:
             self.wavelength,
             self.bird.circulation_m2_s / self.bird.semispan_m,
             self.bird.circulation_ratio,
-            self.model.stroke_states,
-            self.model.wavelengths,
+            self.model,
         )
 
     def phase_ramp(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -204,36 +180,26 @@ class PairProblem:
             "ring_of_lane": lane[is_felt] % len(self.wake().circulation),
         }
 
-    def _constants(self) -> NDArray[np.float64]:
+    def _constants(self) -> Constants:
         bird, cost = self.bird, self.cost_function
         alone = bird.lift_span(bird.upstroke_span_ratio)
         thrust_unit = 1.0 / (self.wavelength * alone)
         scale = 1.0 / (self.leader_cost * (bird.speed_m_s if cost.per_metre else 1.0))
-        found = np.empty(10)
-        found[LIFT_FIXED] = bird.lift_span(0.0) / alone
-        found[LIFT_RATIO] = (bird.lift_span(1.0) - bird.lift_span(0.0)) / alone
-        found[THRUST_FIXED] = bird.thrust_span(0.0) * thrust_unit
-        found[THRUST_RATIO] = (bird.thrust_span(1.0) - bird.thrust_span(0.0)) * thrust_unit
-        found[DRAG] = bird.drag_n / bird.weight_n
-        found[COST_FORCE] = cost.force * bird.weight_n * scale
-        found[COST_LIFT2] = cost.induced * induced_power_w(bird, bird.weight_n) * scale
-        found[COST_THRUST] = cost.profile * bird.speed_m_s * bird.weight_n * scale
-        found[COST_FIXED] = cost.parasite * parasite_power_w(bird) * scale
-        found[CORE2] = self.model.core_radius_ratio**2
-        return found
+        return Constants(
+            lift_fixed=bird.lift_span(0.0) / alone,
+            lift_ratio=(bird.lift_span(1.0) - bird.lift_span(0.0)) / alone,
+            thrust_fixed=bird.thrust_span(0.0) * thrust_unit,
+            thrust_ratio=(bird.thrust_span(1.0) - bird.thrust_span(0.0)) * thrust_unit,
+            drag=bird.drag_n / bird.weight_n,
+            cost_force=cost.force * bird.weight_n * scale,
+            cost_lift2=cost.induced * induced_power_w(bird, bird.weight_n) * scale,
+            cost_thrust=cost.profile * bird.speed_m_s * bird.weight_n * scale,
+            cost_fixed=cost.parasite * parasite_power_w(bird) * scale,
+        )
 
     def _bounds(self) -> NDArray[np.float64]:
         limit = self.amplitude_limit_m / self.bird.semispan_m
-        return np.array(
-            [
-                [0.0, STREAMWISE_REACH * self.wavelength],
-                [0.0, SPANWISE_REACH],
-                [-self.leader_height, self.leader_height],
-                [LEAST_AMPLITUDE * limit, limit],
-                list(SPAN_RATIO_BOUNDS),
-                [0.0, self.phase_span()],
-            ]
-        )
+        return bounds_of(self.variables, Given(self.wavelength, self.leader_height, limit, self.phase_span()))
 
     def v_bounds(self) -> NDArray[np.float64]:
         """Bounds of the part of the problem that is outboard, level and astern, where a V optimum is sought.

@@ -8,25 +8,25 @@ the best, and around those that this finds.  The same seed gives the same basins
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.optimum.compiled.descent import SCALE, SOLVED, solve_many
-from upwash.optimum.compiled.problem import CORE2
-from upwash.optimum.edges import distinct_edges
+from upwash.optimum.compiled.descent import SOLVED
+from upwash.optimum.compiled.pair_descent import solve_many
+from upwash.optimum.edges import felt_lanes
 from upwash.optimum.problem import ASTERN, OUTBOARD, PairProblem
+from upwash.optimum.variables import SCALE, VARIABLE_COUNT, neighbourhood_of
 
 SAME_BASIN = 1e-4
 """Largest distance of two ends of local solves, in units of `SCALE`, that are taken for one optimum."""
 
 NEAR_BEST = 1.02
 """Basins that cost at most this many times the best are searched around."""
-
-NEIGHBOURHOOD = np.array([0.5, 0.5, 0.5, 0.5, 0.1])
-"""How far around a basin starts are drawn, in (x, y, z, h, R); in phase they are drawn over all of it."""
 
 NEIGHBOURS, MOST_NEIGHBOURHOODS = 30, 40
 """Starts around a basin; basins that are searched around at most, the best first."""
@@ -65,53 +65,52 @@ class Search:
         Seed of the random starts.
     """
 
+    solve_many: Callable[..., int] = staticmethod(solve_many)
+
     def __init__(self, problem: PairProblem, seed: int = 0) -> None:
         self.problem = problem
         self.random = np.random.default_rng(seed)
-        self.group, self.representative = distinct_edges(
-            problem.lanes, problem.constants[CORE2], problem.bounds
-        )
+        self.felt: Any = self.wake_felt()
         self.starts = 0
         self.basins: list[Basin] = []
         self.searched_around: list[Basin] = []
 
+    def wake_felt(self) -> Any:
+        """Return the wake as the local solve takes it."""
+        return felt_lanes(self.problem.lanes, self.problem.bounds)
+
+    @property
+    def edge_count(self) -> int:
+        """Number of core edges."""
+        return len(self.felt.representative)
+
     def random_starts(self, bounds: NDArray[np.float64], count: int) -> NDArray[np.float64]:
         """Draw starts evenly over a box."""
-        return bounds[:, 0] + self.random.random((count, 6)) * (bounds[:, 1] - bounds[:, 0])
+        return bounds[:, 0] + self.random.random((count, VARIABLE_COUNT)) * (bounds[:, 1] - bounds[:, 0])
 
     def descend(self, starts: NDArray[np.float64], bounds: NDArray[np.float64] | None = None) -> list[Basin]:
         """Solve from each start and return the basins reached, best first.
 
         Parameters
         ----------
-        starts : (n, 6) ndarray of float
+        starts : (n, VARIABLE_COUNT) ndarray of float
             Starts.
         bounds : (6, 2) ndarray of float, optional
             Bounds to solve within; the problem's if not given.
         """
-        problem = self.problem
-        n = len(starts)
-        points, costs = np.empty((n, 6)), np.empty(n)
-        multipliers, pins = np.empty((n, 2)), np.empty((n, len(self.representative)))
-        status = np.empty(n, dtype=np.int64)
-        solve_many(
-            np.ascontiguousarray(starts),
-            problem.lanes,
-            self.group,
-            self.representative,
-            problem.constants,
-            problem.bounds if bounds is None else bounds,
-            points,
-            costs,
-            multipliers,
-            pins,
-            status,
-        )
-        self.starts += n
-        found = [
+        found = self._solve(starts, self.problem.bounds if bounds is None else bounds)
+        self.starts += len(starts)
+        return merge_basins(found)
+
+    def _solve(self, starts: NDArray[np.float64], bounds: NDArray[np.float64]) -> list[Basin]:
+        n, edges = len(starts), self.edge_count
+        points, costs, status = np.empty((n, VARIABLE_COUNT)), np.empty(n), np.empty(n, dtype=np.int64)
+        multipliers, pins = np.empty((n, 2)), np.empty((n, edges))
+        found = points, costs, multipliers, pins, status
+        self.solve_many(np.ascontiguousarray(starts), self.felt, self.problem.constants, bounds, *found)
+        return [
             Basin(points[k], float(costs[k]), multipliers[k], 1) for k in np.flatnonzero(status == SOLVED)
         ]
-        return merge_basins(found)
 
     def explore(self, starts: NDArray[np.float64]) -> None:
         """Solve from each start within the problem's bounds and keep the basins."""
@@ -145,8 +144,9 @@ class Search:
         return new[: MOST_NEIGHBOURHOODS - len(self.searched_around)]
 
     def _neighbours(self, basin: Basin) -> NDArray[np.float64]:
-        around = self.problem.bounds.copy()
-        around[:5] = basin.point[:5, None] + NEIGHBOURHOOD[:, None] * [-1.0, 1.0]
+        around, far = self.problem.bounds.copy(), neighbourhood_of(self.problem.variables)
+        is_near = np.isfinite(far)
+        around[is_near] = basin.point[is_near, None] + far[is_near, None] * [-1.0, 1.0]
         return np.clip(self.random_starts(around, NEIGHBOURS), *self.problem.bounds.T)
 
 

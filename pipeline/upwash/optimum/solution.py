@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from upwash.aero.pose import Pose
 from upwash.columns import Row
+from upwash.optimum.compiled.pair_descent import FeltLanes
 from upwash.optimum.evidence import Evidence, StatedEvidence, stated
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import Proof
@@ -90,7 +88,7 @@ def describe_optimum(
     problem: PairProblem,
     basin: Basin,
     evidence: Evidence,
-    representative: NDArray[np.int64],
+    felt: FeltLanes,
     *,
     rank: int,
     starts: int,
@@ -106,8 +104,8 @@ def describe_optimum(
         The local optimum in scaled variables.
     evidence : Evidence
         What holds there.
-    representative : ndarray of int
-        A lane and a filament of each core edge, see `upwash.optimum.edges.distinct_edges`.
+    felt : FeltLanes
+        Its wake and core edges.
     rank, starts : int
         Its place among the optima of the job; starts of the search.
     is_v_optimum : bool
@@ -123,5 +121,5 @@ def describe_optimum(
         starts=starts,
         is_v_optimum=is_v_optimum,
         is_global_optimum=rank == 0,
-        **vars(stated(problem, representative, evidence)),
+        **vars(stated(problem, felt, evidence)),
     )

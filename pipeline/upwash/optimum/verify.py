@@ -19,17 +19,17 @@ from numpy.typing import NDArray
 
 from upwash.aero.pose import Pose
 from upwash.optimum.certify import certify
-from upwash.optimum.compiled.descent import SCALE
-from upwash.optimum.compiled.problem import CORE2
-from upwash.optimum.edges import distinct_edges
+from upwash.optimum.compiled.pair_descent import FeltLanes
+from upwash.optimum.edges import felt_lanes
 from upwash.optimum.endless.evidence import gather_endless_evidence
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import EndlessSearch
 from upwash.optimum.endless.solve import certify_endless, endless_stated
 from upwash.optimum.endless.solve import stays_in_v as endless_stays_in_v
 from upwash.optimum.evidence import StatedEvidence, gather_evidence, stated
-from upwash.optimum.problem import VARIABLES, PairProblem
+from upwash.optimum.problem import PairProblem
 from upwash.optimum.search import SAME_BASIN, Search
+from upwash.optimum.variables import SCALE, VARIABLES
 
 SAME_PIECE = 1e-9
 """How far outside a piece of phase a phase may lie that was rounded, in wingbeats."""
@@ -99,15 +99,15 @@ def examine(problems: Sequence[PairProblem], pose: Pose) -> list[StatedEvidence]
         if isinstance(problem, EndlessProblem):
             found.append(endless_stated(problem, gather_endless_evidence(problem, point)))
             continue
-        group, representative = _edges(problem)
-        evidence = gather_evidence(problem, group, representative, point)
-        found.append(stated(problem, representative, evidence))
+        felt = _felt(problem)
+        evidence = gather_evidence(problem, felt, point)
+        found.append(stated(problem, felt, evidence))
     return found
 
 
 @lru_cache(PIECES_KEPT)
-def _edges(problem: PairProblem) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    return distinct_edges(problem.lanes, problem.constants[CORE2], problem.bounds)
+def _felt(problem: PairProblem) -> FeltLanes:
+    return felt_lanes(problem.lanes, problem.bounds)
 
 
 def alike(problem: PairProblem, poses: Sequence[Pose]) -> list[tuple[int, int]]:

@@ -64,9 +64,8 @@ def _from_downstroke_rings(evidence: Evidence) -> Cases:
             points = np.empty((nodes.size, 3))
             points[:, 0], points[:, 1] = row["x_m"], row["y_m"] + half_span * nodes
             points[:, 2] = row["z_m"] + row["amplitude_m"] * stroke_height(follower / 2)
-            rings = (wake.state == leader) & ~wake.is_upstroke
-            core = model.core_radius_ratio * bird.semispan_m
-            wind = node_weights @ velocity(points, wake.rings[rings], wake.circulation[rings], core)
+            shed = wake.only((wake.state == leader) & ~wake.is_upstroke)
+            wind = node_weights @ velocity(points, shed.rings, shed.circulation, shed.core_radius)
             own = bird.circulation_m2_s * state_circulation_ratio(bird, follower, 2)
             force += weights[leader, follower] * bird.density_kg_m3 * own * 2.0 * half_span * wind[[0, 2]]
         shares[f"{objective}, lift"] = float(100.0 * force[0] / row["lift_wake_n"])

@@ -12,7 +12,7 @@ from upwash.aero.bird import Bird
 from upwash.aero.induction import velocity
 from upwash.aero.interaction import state_forces
 from upwash.aero.power import COST_FUNCTIONS
-from upwash.aero.wake import CORE_RADIUS_RATIO, vortex_wake
+from upwash.aero.wake import vortex_wake
 from upwash.paper.claim import Cases, Measures
 from upwash.paper.evidence import OBJECTIVES, Evidence
 from upwash.study.rows import pose_of
@@ -53,9 +53,8 @@ def _passive_upstroke(evidence: Evidence) -> Cases:
 
     def wind(ratio: float) -> float:
         wake = vortex_wake(bird.amplitude_m, ratio, bird.semispan_m, bird.wavelength_m, bird.circulation_m2_s)
-        core = CORE_RADIUS_RATIO * bird.semispan_m
-        rings = wake.is_upstroke & (wake.state == 0)
-        return float(np.linalg.norm(velocity(point, wake.rings[rings], wake.circulation[rings], core)))
+        shed = wake.only(wake.is_upstroke & (wake.state == 0))
+        return float(np.linalg.norm(velocity(point, shed.rings, shed.circulation, shed.core_radius)))
 
     return {
         "lift": float(1.0 - bird.lift_n(0.0) / bird.lift_n(VANISHING)),

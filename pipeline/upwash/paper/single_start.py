@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from upwash.optimum.compiled.problem import CORE2, evaluate
+from upwash.aero.lanes import core_edges
+from upwash.optimum.compiled.problem import evaluate
 from upwash.optimum.problem import PairProblem
 
 MOST_ITERATIONS = 400
@@ -68,7 +69,7 @@ def solve_from(problem: PairProblem, start: NDArray[np.float64]) -> End:
     start : (6,) ndarray of float
         As `End.point`.
     """
-    edges = np.full((4, problem.lanes.shape[1]), problem.constants[CORE2])
+    edges = core_edges(problem.lanes)
 
     def balances(point: NDArray[np.float64]) -> tuple[float, NDArray, NDArray, NDArray]:
         """Return cost, its gradient, what is missing to balance, and that one's Jacobian."""

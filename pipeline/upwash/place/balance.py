@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 from upwash.aero.bird import Bird
 from upwash.aero.compiled.endless import EndlessWake
 from upwash.aero.compiled.exact_span import Core
+from upwash.aero.compiled.lanes import ROWS
 from upwash.aero.pose import Stroke
 from upwash.aero.wake import WakeModel
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.problem import PairProblem
 from upwash.place.compiled import balances as compiled
 from upwash.place.compiled.balances import MOST_BALANCES, StrokeBounds, find_balances
-from upwash.place.compiled.felt import Felt, OwnFlight, Room, make_room, settle
+from upwash.place.compiled.felt import Felt, Room, make_room, settle
 
 BOUNDS = ("paper", "wide")
 """Within which bounds a stroke is sought: those of the paper's search, or as wide as a wing may move."""
@@ -164,21 +165,18 @@ class Behind:
 
 def felt_of(problem: PairProblem, power: PairProblem) -> Felt:
     """Return what a follower feels, from the problem that searches its place as well, and that of least power."""
-    own, own_power = (OwnFlight(*one.constants[:9].tolist()) for one in (problem, power))
     if isinstance(problem, EndlessProblem):
-        wake, lanes, states = problem.wake_felt, np.empty((14, 0)), np.empty((2, 0), np.int64)
+        wake, lanes, states = problem.wake_felt, np.empty((ROWS, 0)), np.empty((2, 0), np.int64)
     else:
         wake, (lanes, states) = _NO_WAKE, _lanes_of(problem)
-    core2 = problem.model.core_radius_ratio**2
     return Felt(
         problem.model.is_endless,
         problem.wavelength,
-        own,
-        own_power,
+        problem.constants,
+        power.constants,
         lanes,
         states,
         problem.model.stroke_states,
-        core2,
         wake,
     )
 

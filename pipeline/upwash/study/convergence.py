@@ -15,7 +15,7 @@ from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import EndlessSearch
-from upwash.optimum.problem import LEAST_AMPLITUDE, SPAN_RATIO_BOUNDS
+from upwash.optimum.variables import LEAST_AMPLITUDE, SPAN_RATIO_BOUNDS
 
 LIMIT = WakeModel.named("limit")
 STEPS = (16, 32, 64, 128, 256)

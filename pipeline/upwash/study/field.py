@@ -18,7 +18,7 @@ from upwash.aero.field_map import COORDINATES, PLANES, ForceMap, force_map
 from upwash.batch.store import TABLE_OPTIONS, provenance, replacing
 from upwash.columns import Column
 from upwash.jobs.schema import schema_of
-from upwash.optimum.problem import STREAMWISE_REACH
+from upwash.optimum.variables import STREAMWISE_REACH
 from upwash.study.rows import bird_of, model_of, pose_of
 
 SPANWISE = 3.0

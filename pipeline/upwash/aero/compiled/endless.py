@@ -152,7 +152,7 @@ def _wind_of_tail(x, z, right, left, side, start, w, source, curved, stretched, 
     return side * gx, gz, by_xx, side * by_xz, side * by_xz, by_zz, side * xr, side * xl, zr, zl
 
 
-@kernel(fastmath=FAST)
+@kernel(fastmath=FAST, allocates=False)
 def endless_force_jacobian(point, wake, places, jacobian):
     """Return the lift and thrust of an endless wake and fill in their Jacobian.
 

@@ -162,7 +162,7 @@ def _combine(strength, ax, az, x0, x1, z0, z1, g0, g1, g0q, g1q, d, right, left,
     )
 
 
-@kernel(fastmath=FAST)
+@kernel(fastmath=FAST, allocates=False)
 def wind_of_runs(x, z, right, left, runs, core):
     """Integrate the wind of all runs along a wing, with its slopes.
 

@@ -22,26 +22,27 @@ FIRST_X, LAST_X, FIRST_Z, LAST_Z, CENTRE_Y, HALF_WIDTH = range(6)  # the ring
 ALONG_X, ALONG_Z = 6, 7  # unit vector of its tip filaments
 NODE, SPAN_FIXED, SPAN_FLEXED, HEIGHT = range(8, 12)  # the follower's node: η, a, d, c
 STEADY, SLIDING = 12, 13  # β₀ and β₁, times the circulations, the node's weight and the unit of force
+CORE2 = 14  # square of the radius of the ring's cores
+ROWS = 15
 
 # The variables of the force, in order.
 X, Y, Z, AMPLITUDE, SPAN_RATIO, PHASE = range(6)
 
 
-@kernel(fastmath=FAST)
-def wake_force_jacobian(point, lanes, core2, edges, jacobian):
+@kernel(fastmath=FAST, allocates=False)
+def wake_force_jacobian(point, lanes, edges, jacobian):
     """Return the wake-induced lift and thrust and fill in their Jacobian.
 
     Parameters
     ----------
     point : (6,) ndarray of float
         x, y, z, amplitude, upstroke span ratio, phase coordinate.
-    lanes : (14, l) ndarray of float
+    lanes : (15, l) ndarray of float
         From `wake_lanes`.
-    core2 : float
-        Square of the core radius.
     edges : (4, l) ndarray of float
         For the starting, stopping, left and right filament of each lane's ring, the squared distance beyond which
-        the outer branch of the core is taken: `core2` for the Rankine core, another value to continue a branch.
+        the outer branch of the core is taken: row `CORE2` of the lanes for the Rankine core, another value to continue
+        a branch.
     jacobian : (2, 6) ndarray of float
         Overwritten: derivatives of lift (row 0) and thrust (row 1) by the six variables; where a node lies on a core
         edge, those from inside.
@@ -57,7 +58,7 @@ def wake_force_jacobian(point, lanes, core2, edges, jacobian):
     first_x, last_x, first_z, last_z = lanes[FIRST_X], lanes[LAST_X], lanes[FIRST_Z], lanes[LAST_Z]
     centre_y, half_width, node, fixed = lanes[CENTRE_Y], lanes[HALF_WIDTH], lanes[NODE], lanes[SPAN_FIXED]
     flexed, height, steady, sliding = lanes[SPAN_FLEXED], lanes[HEIGHT], lanes[STEADY], lanes[SLIDING]
-    along_x, along_z = lanes[ALONG_X], lanes[ALONG_Z]
+    along_x, along_z, core2 = lanes[ALONG_X], lanes[ALONG_Z], lanes[CORE2]
     edge_first, edge_last, edge_left, edge_right = edges[0], edges[1], edges[2], edges[3]
     for i in range(lanes.shape[1]):
         span = fixed[i] + flexed[i] * ratio
@@ -74,7 +75,7 @@ def wake_force_jacobian(point, lanes, core2, edges, jacobian):
             half_width[i],
             along_x[i],
             along_z[i],
-            core2,
+            core2[i],
             edge_first[i],
             edge_last[i],
             edge_left[i],

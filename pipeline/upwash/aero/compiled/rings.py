@@ -218,13 +218,16 @@ BLOCK = 512
 
 
 @kernel
-def _fill_block(points, rings, circulation, core2, x, y, z, velocity_x, velocity_y, velocity_z, velocity):
+def _fill_block(
+    points, rings, circulation, core_radius, x, y, z, velocity_x, velocity_y, velocity_z, velocity
+):
     """Overwrite one block's velocity, working in six rows as long as the block."""
     for i in range(points.shape[0]):
         x[i], y[i], z[i] = points[i, 0], points[i, 1], points[i, 2]
         velocity_x[i] = velocity_y[i] = velocity_z[i] = 0.0
     for k in range(circulation.size):
         ring = (rings[k, 0], rings[k, 1], rings[k, 2], rings[k, 3], rings[k, 4], rings[k, 5])
+        core2 = core_radius[k] * core_radius[k]
         _add_ring_velocity(x, y, z, ring, circulation[k], core2, velocity_x, velocity_y, velocity_z)
     for i in range(points.shape[0]):
         velocity[i, 0], velocity[i, 1], velocity[i, 2] = velocity_x[i], velocity_y[i], velocity_z[i]
@@ -244,8 +247,8 @@ def fill_velocity(points, rings, circulation, core_radius, velocity):
         Tilted rectangles as in `upwash.aero.wake.Wake`, in m.
     circulation : (n,) ndarray of float
         Circulation of each ring, in m²/s.
-    core_radius : float
-        Radius of the filaments' cores, in m.
+    core_radius : (n,) ndarray of float
+        Radius of the cores of each ring's filaments, in m.
     velocity : (p, 3) ndarray of float
         Overwritten, in m/s.
     """
@@ -257,7 +260,7 @@ def fill_velocity(points, rings, circulation, core_radius, velocity):
             block,
             rings,
             circulation,
-            core_radius * core_radius,
+            core_radius,
             room[0, :size],
             room[1, :size],
             room[2, :size],
@@ -281,7 +284,7 @@ def add_velocity_gradient(points, rings, circulation, core_radius, gradient):
     """
     for i in range(points.shape[0]):
         for k in range(circulation.size):
-            core2 = core_radius * core_radius
+            core2 = core_radius[k] * core_radius[k]
             run = math.hypot(rings[k, 1] - rings[k, 0], rings[k, 3] - rings[k, 2])
             found = ring_velocity_gradient(
                 points[i, 0],

@@ -7,23 +7,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from upwash.aero.compiled.lanes import PHASE, SPAN_RATIO, X, Y, Z
 from upwash.kernel import kernel
 from upwash.optimum.compiled.enclosure import ROUNDING, enclose_wake_force
 from upwash.optimum.compiled.problem import (
-    CORE2,
-    LIFT_FIXED,
-    LIFT_RATIO,
-    THRUST_FIXED,
-    THRUST_RATIO,
     cost_of,
 )
 from upwash.optimum.compiled.relaxation import MARGIN, ascend, contract, couple, relax
 from upwash.optimum.compiled.steps_enclosure import enclose_steps
+from upwash.optimum.variables import SCALE, VARIABLE_COUNT
 
 TINY = 1e-9
 """Half-width, in units of `WIDTHS`, below which a box is not split further but left open."""
 
-WIDTHS = np.array([0.3, 0.3, 0.3, 0.3, 0.1, 0.25])
+WIDTHS = SCALE[np.array([X, Y, Z, Z, SPAN_RATIO, PHASE])]
 """Lengths over which the six variables of a box matter alike."""
 
 WORTH_REPEATING = 0.3
@@ -39,7 +36,7 @@ SEARCH_WIDTH = 0.25
 CLEARED, OPEN = range(2)
 
 
-@kernel
+@kernel(allocates=False)
 def examine(low, high, nu, lanes, first_lanes, constants, phase_end, limits, threshold, scratch, forms):
     """Try to clear a box; cut off what can be cut off.
 
@@ -53,8 +50,8 @@ def examine(low, high, nu, lanes, first_lanes, constants, phase_end, limits, thr
         The problem.
     phase_end : float
         Greatest phase coordinate.
-    limits : (4,) ndarray of float
-        Least and greatest mean height, least and greatest amplitude.
+    limits : Limits
+        Ranges of mean height and amplitude.
     threshold : float
         Cost to be exceeded.
     scratch : (8, 10) ndarray of float
@@ -75,21 +72,21 @@ def examine(low, high, nu, lanes, first_lanes, constants, phase_end, limits, thr
         if not couple(low, high, limits):
             return CLEARED, np.inf
         # Own lift and thrust alone cost this much: decisive where a follower rests on the least amplitude and span.
-        amplitude = max(low[2] - high[3], limits[2] - MARGIN)
+        amplitude = max(low[2] - high[3], limits.least_amplitude - MARGIN)
         own, _, _ = cost_of(
-            constants[LIFT_FIXED] + constants[LIFT_RATIO] * low[4],
-            amplitude * (constants[THRUST_FIXED] + constants[THRUST_RATIO] * high[4]),
+            constants.lift_fixed + constants.lift_ratio * low[4],
+            amplitude * (constants.thrust_fixed + constants.thrust_ratio * high[4]),
             constants,
         )
         bound = max(bound, own * (1.0 - ROUNDING) - MARGIN)
         if bound > threshold:
             return CLEARED, bound
         before = 1.0
-        for i in range(6):
+        for i in range(VARIABLE_COUNT):
             widths[i] = 0.5 * (high[i] - low[i]) + ROUNDING * (abs(low[i]) + abs(high[i]))
             before *= max(0.5 * (high[i] - low[i]), 1e-12)
         if first_lanes.size > 3:
-            enclose_steps(low, high, widths, lanes, first_lanes, phase_end, constants[CORE2], forms)
+            enclose_steps(low, high, widths, lanes, first_lanes, phase_end, forms)
         else:
             for part in range(2):
                 enclose_wake_force(
@@ -106,7 +103,6 @@ def examine(low, high, nu, lanes, first_lanes, constants, phase_end, limits, thr
                     first_lanes[part + 1],
                     part == 0,
                     phase_end,
-                    constants[CORE2],
                     forms[part],
                 )
         product = relax(low, high, widths, forms, constants, phase_end, relaxation)
@@ -123,13 +119,13 @@ def examine(low, high, nu, lanes, first_lanes, constants, phase_end, limits, thr
         if not contract(low, high, relaxation, product, widths, 1.0, nu[0], nu[1], threshold):
             return CLEARED, bound
         after = 1.0
-        for i in range(6):
+        for i in range(VARIABLE_COUNT):
             after *= max(0.5 * (high[i] - low[i]), 1e-12)
         if after > WORTH_REPEATING * before:
             return OPEN, bound
 
 
-@kernel
+@kernel(allocates=False)
 def _split_variable(low, high, nu, relaxation):
     """Choose the variable whose range widens the bound most.
 
@@ -140,10 +136,10 @@ def _split_variable(low, high, nu, relaxation):
     weight_thrust = max(abs(nu[1]), LEAST_MULTIPLIERS[1])
     radius = weight_lift * relaxation[1, 7] + weight_thrust * relaxation[2, 7]
     squares = 0.0
-    for i in range(5):
+    for i in range(PHASE):
         squares += (0.5 * (high[i] - low[i])) ** 2
     best, chosen = -1.0, 0
-    for i in range(6):
+    for i in range(VARIABLE_COUNT):
         width = 0.5 * (high[i] - low[i])
         score = width * (
             abs(relaxation[0, 1 + i])
@@ -186,8 +182,8 @@ def clear_boxes(
         What each box is known to cost at least.
     height : int
         Boxes on the stack.
-    limits : (4,) ndarray of float
-        Least and greatest mean height, least and greatest amplitude.
+    limits : Limits
+        Ranges of mean height and amplitude.
     threshold : float
         Cost to be exceeded.
     budget : int
@@ -209,13 +205,13 @@ def clear_boxes(
         Least cost in the boxes that were given up, being too small to split; infinite if none was.
     """
     scratch, forms = np.empty((8, 10)), np.empty((3, 2, 2, 6))
-    low, high, nu = np.empty(6), np.empty(6), np.empty(2)
+    low, high, nu = np.empty(VARIABLE_COUNT), np.empty(VARIABLE_COUNT), np.empty(2)
     boxes, left_open = 0, np.inf
     centre[:] = np.nan
     while height > 0 and boxes < budget:
         height -= 1
         boxes += 1
-        for i in range(6):
+        for i in range(VARIABLE_COUNT):
             low[i], high[i] = lows[height, i], highs[height, i]
         nu[0], nu[1] = multipliers[height, 0], multipliers[height, 1]
         state, bound = examine(
@@ -225,10 +221,10 @@ def clear_boxes(
             continue
         bound = max(bound, floors[height])
         widest = 0.0
-        for i in range(6):
+        for i in range(VARIABLE_COUNT):
             widest = max(widest, 0.5 * (high[i] - low[i]) / WIDTHS[i])
         if widest < SEARCH_WIDTH:
-            for i in range(6):
+            for i in range(VARIABLE_COUNT):
                 centre[i] = 0.5 * (low[i] + high[i])
             up, down = centre[2], centre[3]
             centre[2], centre[3] = 0.5 * (up + down), up - down
@@ -238,7 +234,7 @@ def clear_boxes(
         chosen = _split_variable(low, high, nu, scratch[0:3, 0:8])
         middle = 0.5 * (low[chosen] + high[chosen])
         for child in range(2):
-            for i in range(6):
+            for i in range(VARIABLE_COUNT):
                 lows[height, i], highs[height, i] = low[i], high[i]
             if child == 0:
                 highs[height, chosen] = middle

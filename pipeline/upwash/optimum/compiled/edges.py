@@ -11,6 +11,7 @@ from upwash.aero.compiled.lanes import (
     ALONG_X,
     ALONG_Z,
     CENTRE_Y,
+    CORE2,
     FIRST_X,
     FIRST_Z,
     HALF_WIDTH,
@@ -28,18 +29,16 @@ from upwash.kernel import kernel
 FIRST, LAST, LEFT, RIGHT = range(4)
 
 
-@kernel
-def edge_distance(point, lanes, core2, lane, filament, gradient):
+@kernel(allocates=False)
+def edge_distance(point, lanes, lane, filament, gradient):
     """Return how far a lane's node is from a filament's core edge, and fill in the gradient.
 
     Parameters
     ----------
     point : (6,) ndarray of float
         x, y, z, h, R, t.
-    lanes : (14, l) ndarray of float
+    lanes : (15, l) ndarray of float
         See `upwash.aero.lanes.wake_lanes`.
-    core2 : float
-        Square of the core radius.
     lane, filament : int
         Which lane, and which of `FILAMENTS`.
     gradient : (6,) ndarray of float
@@ -50,7 +49,7 @@ def edge_distance(point, lanes, core2, lane, filament, gradient):
     float
         s = r²/r_c² − 1.
     """
-    height, node = lanes[HEIGHT, lane], lanes[NODE, lane]
+    height, node, core2 = lanes[HEIGHT, lane], lanes[NODE, lane], lanes[CORE2, lane]
     z = point[2] + height * point[3]
     gradient[5] = 0.0
     if filament == FIRST or filament == LAST:
@@ -75,8 +74,8 @@ def edge_distance(point, lanes, core2, lane, filament, gradient):
     return (dy * dy + off_plane * off_plane) / core2 - 1.0
 
 
-@kernel
-def edge_pull(point, lanes, core2, group, edge, multipliers):
+@kernel(allocates=False)
+def edge_pull(point, lanes, group, edge, multipliers):
     """Return what the filaments of an edge add to the Lagrangian at that edge.
 
     Crossing the edge outwards changes the Lagrangian's slope along s by minus this much: the optimum can be pinned to
@@ -84,7 +83,7 @@ def edge_pull(point, lanes, core2, group, edge, multipliers):
 
     Parameters
     ----------
-    point, lanes, core2
+    point, lanes
         As for `edge_distance`.
     group : (4, l) ndarray of int
         Number of the edge of each filament and lane, from `distinct_edges`.
@@ -122,5 +121,10 @@ def edge_pull(point, lanes, core2, group, edge, multipliers):
                 far = np.sqrt(x1 * x1 + ye * ye + z1 * z1)
                 strength = sign * ye * ((ax * x0 + az * z0) / near - (ax * x1 + az * z1) / far)
                 by_lift, by_thrust = -az, ax
-            total += weight * strength / core2 * (multipliers[0] * by_lift + multipliers[1] * by_thrust)
+            total += (
+                weight
+                * strength
+                / lanes[CORE2, lane]
+                * (multipliers[0] * by_lift + multipliers[1] * by_thrust)
+            )
     return total

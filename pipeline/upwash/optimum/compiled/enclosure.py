@@ -31,6 +31,7 @@ from upwash.aero.compiled.lanes import (
     ALONG_X,
     ALONG_Z,
     CENTRE_Y,
+    CORE2,
     FIRST_X,
     FIRST_Z,
     HALF_WIDTH,
@@ -42,6 +43,7 @@ from upwash.aero.compiled.lanes import (
 )
 from upwash.aero.compiled.rings import END_FLOOR, FAST
 from upwash.kernel import kernel
+from upwash.optimum.variables import VARIABLE_COUNT
 
 ROUNDING = 64.0 * 2.0**-52
 """Share of a quantity that rounding may take from it: no sum or product here is of more than sixty-four roundings."""
@@ -53,10 +55,10 @@ HALF_CURVATURE = 1.0 / math.sqrt(3.0)
 """Half of the greatest second derivative of a cosine, times the squared distance."""
 
 # Places in a form.
-VALUE, BY_X, BY_Y, BY_Z, BY_RATIO, RADIUS = range(6)
+VALUE, BY_X, BY_Y, BY_Z, BY_RATIO, RADIUS = range(VARIABLE_COUNT)
 
 
-@kernel(fastmath=FAST)
+@kernel(fastmath=FAST, allocates=False)
 def _enclose_strength(
     p0, x0, y0, z0, per_n0, near0, p1, x1, y1, z1, per_n1, near1, ax, ay, az, wx, wy, wz, square
 ):  # fmt: skip
@@ -87,7 +89,7 @@ def _enclose_strength(
     )
 
 
-@kernel(fastmath=FAST)
+@kernel(fastmath=FAST, allocates=False)
 def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
     """Enclose a / max(a² + c², core2): value, slopes by a and c, radius."""
     per_core = 1.0 / core2
@@ -121,7 +123,7 @@ def _enclose_vortex(a, c, wa, wc, r, r_low, r_high, core2):
     )
 
 
-@kernel(fastmath=FAST)
+@kernel(fastmath=FAST, allocates=False)
 def _multiply(u, ux, uy, uz, u_radius, u_range, k, kx, ky, kz, k_radius, wx, wy, wz):
     """Multiply two forms: value, three slopes, radius."""
     k_range = abs(kx) * wx + abs(ky) * wy + abs(kz) * wz + k_radius
@@ -221,10 +223,8 @@ def enclose_ring(
     )
 
 
-@kernel(fastmath=FAST)
-def enclose_wake_force(
-    x, y, z, ratio, wx, wy, wz, w_ratio, lanes, first, last, flexes, phase_end, core2, forms
-):
+@kernel(fastmath=FAST, allocates=False)
+def enclose_wake_force(x, y, z, ratio, wx, wy, wz, w_ratio, lanes, first, last, flexes, phase_end, forms):
     """Enclose the wake force of one follower state over a box, at both ends of the phase coordinate.
 
     Parameters
@@ -233,7 +233,7 @@ def enclose_wake_force(
         Centre of the box: position of the follower's reference point, z that of its wingtips; upstroke span ratio.
     wx, wy, wz, w_ratio : float
         Half-widths of the box.
-    lanes : (14, l) ndarray of float
+    lanes : (15, l) ndarray of float
         See `upwash.aero.lanes.wake_lanes`.
     first, last : int
         The lanes of this follower state.
@@ -241,18 +241,14 @@ def enclose_wake_force(
         Whether the half-span is R (tips up) or 1 (tips down).
     phase_end : float
         Greatest phase coordinate; the least is 0.
-    core2 : float
-        Square of the core radius.
     forms : (2, 2, 6) ndarray of float
         Overwritten, by phase end and by lift and thrust: value, slopes by x, y, z and R, radius.
     """
-    for end in range(2):
-        for c in range(2):
-            for k in range(6):
-                forms[end, c, k] = 0.0
+    forms[:] = 0.0
     first_x, last_x, first_z, last_z = lanes[FIRST_X], lanes[LAST_X], lanes[FIRST_Z], lanes[LAST_Z]
     centre_y, half_width, node = lanes[CENTRE_Y], lanes[HALF_WIDTH], lanes[NODE]
-    along_x, along_z, steady, sliding = lanes[ALONG_X], lanes[ALONG_Z], lanes[STEADY], lanes[SLIDING]
+    along_x, along_z, core2 = lanes[ALONG_X], lanes[ALONG_Z], lanes[CORE2]
+    steady, sliding = lanes[STEADY], lanes[SLIDING]
     span, w_span = (ratio, w_ratio) if flexes else (1.0, 0.0)
     wx, wy, wz = wx + ROUNDING * abs(x), wy + ROUNDING * (abs(y) + 1.0), wz + ROUNDING * abs(z)
     strength = 0.0
@@ -273,10 +269,10 @@ def enclose_wake_force(
             half_width[i],
             along_x[i],
             along_z[i],
-            core2,
+            core2[i],
         )
         a, b = steady[i], steady[i] + sliding[i] * phase_end
-        strength += abs(steady[i]) + abs(sliding[i]) * phase_end
+        strength += (abs(steady[i]) + abs(sliding[i]) * phase_end) / math.sqrt(core2[i])
         l0 += a * vx
         l0x += a * vx_x
         l0y += a * vx_y
@@ -302,14 +298,14 @@ def enclose_wake_force(
         t1s += b * node[i] * vz_y
         t1r += abs(b) * vz_radius
     # Four filaments, each of at most twice the greatest velocity of its core.
-    rounding = ROUNDING * (1.0 + (last - first) / 64.0) * strength * 8.0 / math.sqrt(core2)
+    rounding = ROUNDING * (1.0 + (last - first) / 64.0) * strength * 8.0
     _store_form(forms[0, 0], l0, l0x, l0y, l0z, l0s, l0r, span, wx, wy, wz, w_span, rounding)
     _store_form(forms[1, 0], l1, l1x, l1y, l1z, l1s, l1r, span, wx, wy, wz, w_span, rounding)
     _store_form(forms[0, 1], t0, t0x, t0y, t0z, t0s, t0r, span, wx, wy, wz, w_span, rounding)
     _store_form(forms[1, 1], t1, t1x, t1y, t1z, t1s, t1r, span, wx, wy, wz, w_span, rounding)
 
 
-@kernel(fastmath=FAST)
+@kernel(fastmath=FAST, allocates=False)
 def _store_form(form, value, by_x, by_y, by_z, by_span, radius, span, wx, wy, wz, w_span, rounding):
     """Multiply the mean wind's form by the half-span and store it."""
     reach = abs(by_x) * wx + abs(by_y) * wy + abs(by_z) * wz + abs(by_span) * w_span + radius

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from upwash.aero.compiled.lanes import PHASE
 from upwash.kernel import kernel
 from upwash.optimum.compiled import enclosure
 from upwash.optimum.compiled.boxes import (
@@ -32,8 +33,9 @@ from upwash.optimum.compiled.endless_enclosure import (
     enclose_far_force,
     enclose_near_force,
 )
-from upwash.optimum.compiled.problem import LIFT_FIXED, LIFT_RATIO, THRUST_FIXED, THRUST_RATIO, cost_of
+from upwash.optimum.compiled.problem import cost_of
 from upwash.optimum.compiled.relaxation import MARGIN, ascend, contract, couple, relax
+from upwash.optimum.variables import VARIABLE_COUNT
 
 _VALUE, _BY_X, _BY_Y, _BY_Z, _BY_RATIO, _RADIUS = (
     enclosure.VALUE,
@@ -63,10 +65,10 @@ def _split_variable(low, high, nu, relaxation):
     weight_thrust = max(abs(nu[1]), LEAST_MULTIPLIERS[1])
     radius = weight_lift * relaxation[1, 7] + weight_thrust * relaxation[2, 7]
     squares = 0.0
-    for i in range(5):
+    for i in range(PHASE):
         squares += (0.5 * (high[i] - low[i])) ** 2
     best, chosen = -1.0, 0
-    for i in range(5):
+    for i in range(PHASE):
         width = 0.5 * (high[i] - low[i])
         score = width * (
             abs(relaxation[0, 1 + i])
@@ -92,10 +94,10 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, far, scra
         Multipliers to start from; improved in place.
     wake : EndlessEnclosure
         The wake.
-    constants : (10,) ndarray of float
+    constants : Constants
         The problem.
-    limits : (4,) ndarray of float
-        Least and greatest mean height, least and greatest amplitude.
+    limits : Limits
+        Ranges of mean height and amplitude.
     threshold : float
         Cost to be exceeded.
     far : (3, 7) ndarray of float
@@ -122,17 +124,17 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, far, scra
         if not couple(low, high, limits):
             return CLEARED, np.inf
         # Own lift and thrust alone cost this much: decisive where a follower rests on the least amplitude and span.
-        amplitude = max(low[2] - high[3], limits[2] - MARGIN)
+        amplitude = max(low[2] - high[3], limits.least_amplitude - MARGIN)
         own, _, _ = cost_of(
-            constants[LIFT_FIXED] + constants[LIFT_RATIO] * low[4],
-            amplitude * (constants[THRUST_FIXED] + constants[THRUST_RATIO] * high[4]),
+            constants.lift_fixed + constants.lift_ratio * low[4],
+            amplitude * (constants.thrust_fixed + constants.thrust_ratio * high[4]),
             constants,
         )
         bound = max(bound, own * (1.0 - ROUNDING) - MARGIN)
         if bound > threshold:
             return CLEARED, bound
         before = 1.0
-        for i in range(6):
+        for i in range(VARIABLE_COUNT):
             widths[i] = 0.5 * (high[i] - low[i]) + ROUNDING * (abs(low[i]) + abs(high[i]))
             before *= max(0.5 * (high[i] - low[i]), 1e-12)
         up, down = 0.5 * (low[2] + high[2]), 0.5 * (low[3] + high[3])
@@ -143,19 +145,18 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, far, scra
         sharp = SHARP * min(force[0, RADIUS], force[1, RADIUS])
         if max(far[0, RADIUS], far[1, RADIUS]) > sharp:
             enclose_far_force(point, widths, wake, places, jacobian, far)
-            for i in range(5):
+            for i in range(PHASE):
                 far[2, i] = 0.5 * (low[i] + high[i])
         for c in range(2):
             force[c, VALUE] += far[c, VALUE]
-            for i in range(5):
+            for i in range(PHASE):
                 force[c, VALUE] += far[c, BY_X + i] * (0.5 * (low[i] + high[i]) - far[2, i])
                 force[c, BY_X + i] += far[c, BY_X + i]
             force[c, RADIUS] += far[c, RADIUS]
         for c in range(2):
             for end in range(2):
-                for k in range(6):
-                    forms[0, end, c, k] = 0.0
-                    forms[1, end, c, k] = 0.0
+                forms[0, end, c, :] = 0.0
+                forms[1, end, c, :] = 0.0
                 forms[0, end, c, _VALUE] = force[c, VALUE]
                 forms[0, end, c, _BY_X] = force[c, BY_X]
                 forms[0, end, c, _BY_Y] = force[c, BY_Y]
@@ -177,7 +178,7 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, far, scra
         if not contract(low, high, relaxation, product, widths, 1.0, nu[0], nu[1], threshold):
             return CLEARED, bound
         after = 1.0
-        for i in range(6):
+        for i in range(VARIABLE_COUNT):
             after *= max(0.5 * (high[i] - low[i]), 1e-12)
         if after > WORTH_REPEATING * before:
             return OPEN, bound
@@ -197,7 +198,7 @@ def clear_endless_boxes(
         Of each box on the stack, an enclosure of the far runs' force, see `examine_endless`.
     wake : EndlessEnclosure
         The wake.
-    constants : (10,) ndarray of float
+    constants : Constants
         The problem.
 
     Returns
@@ -211,13 +212,13 @@ def clear_endless_boxes(
     """
     scratch, forms = np.empty((12, 10)), np.empty((2, 2, 2, 6))
     places = np.empty((4, wake.near.steps.shape[1]))
-    low, high, nu, far = np.empty(6), np.empty(6), np.empty(2), np.empty((3, 7))
+    low, high, nu, far = np.empty(VARIABLE_COUNT), np.empty(VARIABLE_COUNT), np.empty(2), np.empty((3, 7))
     boxes, left_open = 0, np.inf
     centre[:] = np.nan
     while height > 0 and boxes < budget:
         height -= 1
         boxes += 1
-        for i in range(6):
+        for i in range(VARIABLE_COUNT):
             low[i], high[i] = lows[height, i], highs[height, i]
         nu[0], nu[1] = multipliers[height, 0], multipliers[height, 1]
         for i in range(3):
@@ -230,10 +231,10 @@ def clear_endless_boxes(
             continue
         bound = max(bound, floors[height])
         widest = 0.0
-        for i in range(5):
+        for i in range(PHASE):
             widest = max(widest, 0.5 * (high[i] - low[i]) / WIDTHS[i])
         if widest < SEARCH_WIDTH:
-            for i in range(6):
+            for i in range(VARIABLE_COUNT):
                 centre[i] = 0.5 * (low[i] + high[i])
             up, down = centre[2], centre[3]
             centre[2], centre[3] = 0.5 * (up + down), up - down
@@ -243,7 +244,7 @@ def clear_endless_boxes(
         chosen = _split_variable(low, high, nu, scratch[0:3, 0:8])
         middle = 0.5 * (low[chosen] + high[chosen])
         for child in range(2):
-            for i in range(6):
+            for i in range(VARIABLE_COUNT):
                 lows[height, i], highs[height, i] = low[i], high[i]
             if child == 0:
                 highs[height, chosen] = middle

@@ -19,7 +19,7 @@ BEGINS, BEGINS_STRENGTH = 2, 3  # half-width and circulation of the run that beg
 ENDS, ENDS_STRENGTH = 4, 5  # of the run that ends there
 
 
-@kernel
+@kernel(allocates=False)
 def edge_distance(point, wake, stations, edge, gradient):
     """Return how far a step is from a core edge, and fill in the gradient.
 
@@ -50,7 +50,7 @@ def edge_distance(point, wake, stations, edge, gradient):
     return (dx * dx + dz * dz) / core2 - 1.0
 
 
-@kernel
+@kernel(allocates=False)
 def _corner_sum(e, q, begins, strength, ends, end_strength):
     """Return the difference of the distances to the corners at one end of the wing, and its slopes by q and e."""
     n0, n1 = math.sqrt(q + (e + begins) ** 2), math.sqrt(q + (e - begins) ** 2)
@@ -61,7 +61,7 @@ def _corner_sum(e, q, begins, strength, ends, end_strength):
     return strength * (n0 - n1) - end_strength * (n2 - n3), by_q, by_e
 
 
-@kernel
+@kernel(allocates=False)
 def edge_force(point, wake, stations, edge, side, force, jacobian):
     """Add to the force what continuing a branch of a step's contribution past its core edge changes.
 
@@ -111,7 +111,7 @@ def edge_force(point, wake, stations, edge, side, force, jacobian):
     jacobian[1, 4] -= x * by_r
 
 
-@kernel
+@kernel(allocates=False)
 def edge_pull(point, wake, stations, edge, multipliers, force, jacobian):
     """Return what a step adds to the Lagrangian through the filaments of a core edge, by the inner branch.
 

@@ -3,16 +3,39 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-from upwash.aero.compiled.lanes import wake_force_jacobian
+from upwash.aero.compiled.lanes import AMPLITUDE, SPAN_RATIO, wake_force_jacobian
 from upwash.kernel import kernel
 
-# Positions in the array of constants that the compiled functions take.
-LIFT_FIXED, LIFT_RATIO, THRUST_FIXED, THRUST_RATIO, DRAG = range(5)
-COST_FORCE, COST_LIFT2, COST_THRUST, COST_FIXED, CORE2 = range(5, 10)
+
+class Constants(NamedTuple):
+    """What cost and balances take beside the wake, forces in weights and costs in those of the lone leader.
+
+    Attributes
+    ----------
+    lift_fixed, lift_ratio : float
+        The follower's own lift, by its upstroke span ratio R: lift_fixed + lift_ratio · R.
+    thrust_fixed, thrust_ratio : float
+        Its own thrust per amplitude in semispans, likewise.
+    drag : float
+        The drag that thrust balances.
+    cost_force, cost_lift2, cost_thrust, cost_fixed : float
+        What the cost counts of the magnitude of the own force, of the square of its lift, of its thrust, and at all.
+    """
+
+    lift_fixed: float
+    lift_ratio: float
+    thrust_fixed: float
+    thrust_ratio: float
+    drag: float
+    cost_force: float
+    cost_lift2: float
+    cost_thrust: float
+    cost_fixed: float
 
 
-@kernel
+@kernel(allocates=False)
 def evaluate(point, lanes, edges, constants, residual, gradient, jacobian):
     """Return the scaled cost of a point; fill in its gradient and the balances with their Jacobian.
 
@@ -22,7 +45,7 @@ def evaluate(point, lanes, edges, constants, residual, gradient, jacobian):
         x, y, z, h, R, t.
     lanes, edges : ndarray of float
         See `upwash.aero.compiled.lanes.wake_force_jacobian`.
-    constants : (10,) ndarray of float
+    constants : Constants
         `PairProblem.constants`.
     residual : (2,) ndarray of float
         Overwritten: lift and thrust, own and the wake's, less weight and drag; in weights.
@@ -36,33 +59,53 @@ def evaluate(point, lanes, edges, constants, residual, gradient, jacobian):
     float
         The cost.
     """
-    wake_lift, wake_thrust = wake_force_jacobian(point, lanes, constants[CORE2], edges, jacobian)
-    amplitude, ratio = point[3], point[4]
-    lift = constants[LIFT_FIXED] + constants[LIFT_RATIO] * ratio
-    thrust_span = constants[THRUST_FIXED] + constants[THRUST_RATIO] * ratio
+    lift, thrust = wake_force_jacobian(point, lanes, edges, jacobian)
+    residual[0], residual[1] = lift, thrust
+    return add_own_flight(point, constants, residual, gradient, jacobian)
+
+
+@kernel(allocates=False)
+def add_own_flight(point, constants, residual, gradient, jacobian):
+    """Make balances of the force of the wake, which the residual and its slopes hold; return the cost of the own.
+
+    Parameters
+    ----------
+    point, constants, gradient
+        As for `evaluate`.
+    residual, jacobian : (2,) and (2, 6) ndarray of float
+        Changed in place.
+
+    Returns
+    -------
+    float
+        The cost.
+    """
+    amplitude, ratio = point[AMPLITUDE], point[SPAN_RATIO]
+    lift = constants.lift_fixed + constants.lift_ratio * ratio
+    thrust_span = constants.thrust_fixed + constants.thrust_ratio * ratio
     thrust = amplitude * thrust_span
-    residual[0] = lift + wake_lift - 1.0
-    residual[1] = thrust + wake_thrust - constants[DRAG]
-    jacobian[0, 4] += constants[LIFT_RATIO]
-    jacobian[1, 3] += thrust_span
-    jacobian[1, 4] += amplitude * constants[THRUST_RATIO]
+    residual[0] = lift + residual[0] - 1.0
+    residual[1] = thrust + residual[1] - constants.drag
+    jacobian[0, SPAN_RATIO] += constants.lift_ratio
+    jacobian[1, AMPLITUDE] += thrust_span
+    jacobian[1, SPAN_RATIO] += amplitude * constants.thrust_ratio
     cost, by_lift, by_thrust = cost_of(lift, thrust, constants)
     gradient[:] = 0.0
-    gradient[3] = by_thrust * thrust_span
-    gradient[4] = by_lift * constants[LIFT_RATIO] + by_thrust * amplitude * constants[THRUST_RATIO]
+    gradient[AMPLITUDE] = by_thrust * thrust_span
+    gradient[SPAN_RATIO] = by_lift * constants.lift_ratio + by_thrust * amplitude * constants.thrust_ratio
     return cost
 
 
-@kernel
+@kernel(allocates=False)
 def cost_of(lift, thrust, constants):
     """Return the scaled cost of self-generated lift and thrust (in weights) and its derivatives by the two."""
     force = math.sqrt(lift * lift + thrust * thrust)
     cost = (
-        constants[COST_FORCE] * force
-        + constants[COST_LIFT2] * lift * lift
-        + constants[COST_THRUST] * thrust
-        + constants[COST_FIXED]
+        constants.cost_force * force
+        + constants.cost_lift2 * lift * lift
+        + constants.cost_thrust * thrust
+        + constants.cost_fixed
     )
-    by_lift = constants[COST_FORCE] * lift / force + 2.0 * constants[COST_LIFT2] * lift
-    by_thrust = constants[COST_FORCE] * thrust / force + constants[COST_THRUST]
+    by_lift = constants.cost_force * lift / force + 2.0 * constants.cost_lift2 * lift
+    by_thrust = constants.cost_force * thrust / force + constants.cost_thrust
     return cost, by_lift, by_thrust

@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from upwash.kernel import kernel
+from upwash.optimum.variables import VARIABLE_COUNT
 
-N = 6
 MOST_INEQUALITIES = 10
 MOST_CHANGES = 60
 TOLERANCE = 1e-12
@@ -24,7 +22,7 @@ Where constraints are linearly dependent their multipliers are ambiguous: one wo
 """
 
 
-@kernel
+@kernel(allocates=False)
 def _cholesky(matrix, n):
     """Factorise the leading n × n block in place (lower triangle); return whether it is positive definite."""
     for j in range(n):
@@ -43,7 +41,7 @@ def _cholesky(matrix, n):
     return True
 
 
-@kernel
+@kernel(allocates=False)
 def _cholesky_solve(factor, n, vector):
     """Overwrite the vector by the solution of the factorised system."""
     for i in range(n):
@@ -56,9 +54,9 @@ def _cholesky_solve(factor, n, vector):
         vector[i] /= factor[i, i]
 
 
-@kernel
+@kernel(allocates=False)
 def solve_quadratic(
-    hessian, linear, lower, upper, slopes, levels, count, step, at_bound, is_active, multipliers, work
+    hessian, linear, lower, upper, slopes, levels, count, step, at_bound, is_active, multipliers, work, chosen
 ):
     """Minimise linear·p + ½ p·hessian·p with lower ≤ p ≤ upper and slopes p ≥ levels.
 
@@ -82,7 +80,7 @@ def solve_quadratic(
         Overwritten: which inequalities hold with equality.
     multipliers : (m,) ndarray of float
         Overwritten: their multipliers, none negative on success.
-    work : (40, 10) ndarray of float
+    work, chosen : (40, 10) ndarray of float and (2, 10) ndarray of int
         Scratch.
 
     Returns
@@ -92,9 +90,8 @@ def solve_quadratic(
     """
     factor, schur, reduced = work[0:6], work[6:16], work[16:26]
     gradient, direction, right, free_gradient = work[26], work[27], work[28], work[29]
-    free = np.empty(N, np.int64)
-    active = np.empty(MOST_INEQUALITIES, np.int64)
-    for i in range(N):
+    free, active = chosen[0], chosen[1]
+    for i in range(VARIABLE_COUNT):
         at_bound[i] = 0
         if step[i] <= lower[i]:
             step[i], at_bound[i] = lower[i], -1
@@ -105,9 +102,9 @@ def solve_quadratic(
         multipliers[k] = 0.0
     for change_count in range(MOST_CHANGES):
         free_count, active_count = 0, 0
-        for i in range(N):
+        for i in range(VARIABLE_COUNT):
             gradient[i] = linear[i]
-            for j in range(N):
+            for j in range(VARIABLE_COUNT):
                 gradient[i] += hessian[i, j] * step[j]
             if at_bound[i] == 0:
                 free[free_count] = i
@@ -117,7 +114,7 @@ def solve_quadratic(
             if is_active[k]:
                 active[active_count] = k
                 active_count += 1
-        for i in range(N):
+        for i in range(VARIABLE_COUNT):
             direction[i] = 0.0
         if free_count > 0:
             for i in range(free_count):
@@ -135,7 +132,7 @@ def solve_quadratic(
             for a in range(active_count):
                 k = active[a]
                 right[a] = levels[k]
-                for i in range(N):
+                for i in range(VARIABLE_COUNT):
                     right[a] -= slopes[k, i] * step[i]
                 for i in range(free_count):
                     right[a] += slopes[k, free[i]] * free_gradient[i]
@@ -157,7 +154,7 @@ def solve_quadratic(
                 multipliers[active[a]] = right[a]
         # How far the direction can be followed.
         length, blocking, side = 1.0, -1, 0
-        for i in range(N):
+        for i in range(VARIABLE_COUNT):
             if at_bound[i] == 0:
                 if direction[i] < 0.0 and step[i] + direction[i] < lower[i]:
                     reach = (lower[i] - step[i]) / direction[i]
@@ -170,18 +167,18 @@ def solve_quadratic(
         for k in range(count):
             if not is_active[k]:
                 change, value = 0.0, -levels[k]
-                for i in range(N):
+                for i in range(VARIABLE_COUNT):
                     change += slopes[k, i] * direction[i]
                     value += slopes[k, i] * step[i]
                 if change < 0.0 and value + change < -TOLERANCE:
                     reach = max(value, 0.0) / -change
                     if reach < length:
                         length, blocking, side = reach, k, 2
-        for i in range(N):
+        for i in range(VARIABLE_COUNT):
             if at_bound[i] == 0:
                 step[i] += length * direction[i]
         longest = 0.0
-        for i in range(N):
+        for i in range(VARIABLE_COUNT):
             longest = max(longest, abs(direction[i]))
         if blocking >= 0 and not (change_count >= MANY_CHANGES and longest < NEGLIGIBLE):
             if side == 2:
@@ -192,10 +189,10 @@ def solve_quadratic(
             continue
         # At the minimiser of the active set: release the constraint that pulls hardest, if any does.
         worst, released, kind = -1e-11, -1, 0
-        for i in range(N):
+        for i in range(VARIABLE_COUNT):
             if at_bound[i] != 0 and lower[i] < upper[i]:
                 slope = linear[i]
-                for j in range(N):
+                for j in range(VARIABLE_COUNT):
                     slope += hessian[i, j] * step[j]
                 for a in range(active_count):
                     slope -= multipliers[active[a]] * slopes[active[a], i]

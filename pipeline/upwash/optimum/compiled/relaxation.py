@@ -11,6 +11,8 @@ round, tells how much of a box's rim can be cut off.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from upwash.kernel import kernel
@@ -24,13 +26,9 @@ from upwash.optimum.compiled.enclosure import (
     VALUE,
 )
 from upwash.optimum.compiled.problem import (
-    DRAG,
-    LIFT_FIXED,
-    LIFT_RATIO,
-    THRUST_FIXED,
-    THRUST_RATIO,
     cost_of,
 )
+from upwash.optimum.variables import VARIABLE_COUNT
 
 MARGIN = 1e-10
 """How much a point may miss a bound (in semispans) and a balance (in weights) and still keep its box from being
@@ -39,10 +37,19 @@ cleared, and by how much its cost must exceed the threshold (in costs of the lon
 ASCENT_ROUNDS = 3
 
 
-@kernel
+class Limits(NamedTuple):
+    """Ranges of the mean height of the wingtips and of the amplitude, in semispans."""
+
+    least_height: float
+    greatest_height: float
+    least_amplitude: float
+    greatest_amplitude: float
+
+
+@kernel(allocates=False)
 def couple(low, high, limits):
     """Shrink z_up and z_down to the ranges of mean height and amplitude; return whether anything is left."""
-    z_low, z_high, h_low, h_high = limits[0], limits[1], limits[2], limits[3]
+    z_low, z_high, h_low, h_high = limits
     low[2] = max(low[2], max(low[3] + h_low, 2.0 * z_low - high[3]) - MARGIN)
     high[2] = min(high[2], min(high[3] + h_high, 2.0 * z_high - low[3]) + MARGIN)
     low[3] = max(low[3], max(low[2] - h_high, 2.0 * z_low - high[2]) - MARGIN)
@@ -50,7 +57,7 @@ def couple(low, high, limits):
     return low[2] <= high[2] and low[3] <= high[3]
 
 
-@kernel
+@kernel(allocates=False)
 def relax(low, high, widths, forms, constants, phase_end, relaxation):
     """Reduce a box to an affine relaxation: cost and two residuals as forms in the six offsets.
 
@@ -63,7 +70,7 @@ def relax(low, high, widths, forms, constants, phase_end, relaxation):
         The box, and its half-widths, rounded up.
     forms : (2, 2, 2, 6) ndarray of float
         Wake forces with tips up and tips down over the box, from `enclose_wake_force`.
-    constants : (10,) ndarray of float
+    constants : Constants
         `PairProblem.constants`.
     phase_end : float
         Greatest phase coordinate.
@@ -82,21 +89,21 @@ def relax(low, high, widths, forms, constants, phase_end, relaxation):
     amplitude = 0.5 * (low[2] + high[2]) - 0.5 * (low[3] + high[3])
     share = 0.5 * (low[5] + high[5]) / phase_end
     w_share = widths[5] / phase_end
-    lift = constants[LIFT_FIXED] + constants[LIFT_RATIO] * centre_ratio
-    span = constants[THRUST_FIXED] + constants[THRUST_RATIO] * centre_ratio
+    lift = constants.lift_fixed + constants.lift_ratio * centre_ratio
+    span = constants.thrust_fixed + constants.thrust_ratio * centre_ratio
     thrust = amplitude * span
-    product = abs(constants[THRUST_RATIO]) * (w_up + w_down) * w_ratio
-    by_ratio = amplitude * constants[THRUST_RATIO]
+    product = abs(constants.thrust_ratio) * (w_up + w_down) * w_ratio
+    by_ratio = amplitude * constants.thrust_ratio
     # The cost is convex in lift and thrust, so its tangent plane supports it from below.
     cost, by_lift, by_thrust = cost_of(lift, thrust, constants)
     relaxation[:] = 0.0
     relaxation[0, 0] = cost
     relaxation[0, 3], relaxation[0, 4] = by_thrust * span, -by_thrust * span
-    relaxation[0, 5] = by_lift * constants[LIFT_RATIO] + by_thrust * by_ratio
+    relaxation[0, 5] = by_lift * constants.lift_ratio + by_thrust * by_ratio
     relaxation[0, 7] = by_thrust
     relaxation[1, 0] = lift - 1.0
-    relaxation[1, 5] = constants[LIFT_RATIO]
-    relaxation[2, 0] = thrust - constants[DRAG]
+    relaxation[1, 5] = constants.lift_ratio
+    relaxation[2, 0] = thrust - constants.drag
     relaxation[2, 3], relaxation[2, 4], relaxation[2, 5] = span, -span, by_ratio
     for part in range(2):
         w_z = w_up if part == 0 else w_down
@@ -120,7 +127,7 @@ def relax(low, high, widths, forms, constants, phase_end, relaxation):
             )
     for row in range(3):
         size = 2.0 + product + abs(relaxation[row, 0])
-        for i in range(6):
+        for i in range(VARIABLE_COUNT):
             size += abs(relaxation[row, 1 + i]) * widths[i]
         if row == 0:
             relaxation[0, 0] -= MARGIN + ROUNDING * (size + by_thrust * product)
@@ -129,7 +136,7 @@ def relax(low, high, widths, forms, constants, phase_end, relaxation):
     return product
 
 
-@kernel
+@kernel(allocates=False)
 def dual_bound(relaxation, product, widths, nu_lift, nu_thrust):
     """Return a lower bound of the Lagrangian over a box.
 
@@ -149,21 +156,21 @@ def dual_bound(relaxation, product, widths, nu_lift, nu_thrust):
     """
     by_thrust = relaxation[0, 7]
     total = relaxation[0, 0] + nu_lift * relaxation[1, 0] + nu_thrust * relaxation[2, 0]
-    for i in range(6):
+    for i in range(VARIABLE_COUNT):
         slope = relaxation[0, 1 + i] + nu_lift * relaxation[1, 1 + i] + nu_thrust * relaxation[2, 1 + i]
         total -= abs(slope) * widths[i]
     total -= abs(nu_lift) * relaxation[1, 7] + abs(nu_thrust) * relaxation[2, 7]
     return total - abs(nu_thrust + by_thrust) * product
 
 
-@kernel
+@kernel(allocates=False)
 def _climb(relaxation, product, widths, nu, d_lift, d_thrust, work):
     """Move the multipliers to the maximum of the dual along a direction; return whether it has one.
 
     It has none where this combination of the residuals is nowhere zero in the box.
     """
     origins, rates, breaks, drops = work[0], work[1], work[2], work[3]
-    for i in range(6):
+    for i in range(VARIABLE_COUNT):
         origins[i] = (
             relaxation[0, 1 + i] + nu[0] * relaxation[1, 1 + i] + nu[1] * relaxation[2, 1 + i]
         ) * widths[i]
@@ -198,7 +205,7 @@ def _climb(relaxation, product, widths, nu, d_lift, d_thrust, work):
     return True
 
 
-@kernel
+@kernel(allocates=False)
 def ascend(relaxation, product, widths, nu, threshold, work):
     """Improve the multipliers until the bound exceeds the threshold or no search direction helps; return the bound."""
     best = dual_bound(relaxation, product, widths, nu[0], nu[1])
@@ -209,7 +216,7 @@ def ascend(relaxation, product, widths, nu, threshold, work):
                 return best
             if direction == 0:
                 d_lift, d_thrust = relaxation[1, 0], relaxation[2, 0]
-                for i in range(6):
+                for i in range(VARIABLE_COUNT):
                     slope = relaxation[0, 1 + i] + nu[0] * relaxation[1, 1 + i] + nu[1] * relaxation[2, 1 + i]
                     sign = 1.0 if slope > 0.0 else -1.0
                     d_lift -= sign * relaxation[1, 1 + i] * widths[i]
@@ -226,11 +233,11 @@ def ascend(relaxation, product, widths, nu, threshold, work):
     return best
 
 
-@kernel
+@kernel(allocates=False)
 def contract(low, high, relaxation, product, widths, cost_weight, nu_lift, nu_thrust, level):
     """Cut off what of the rim violates weight·cost + ν·residuals ≤ level; return whether anything is left."""
     total = cost_weight * relaxation[0, 0] + nu_lift * relaxation[1, 0] + nu_thrust * relaxation[2, 0]
-    for i in range(6):
+    for i in range(VARIABLE_COUNT):
         slope = (
             cost_weight * relaxation[0, 1 + i]
             + nu_lift * relaxation[1, 1 + i]
@@ -242,7 +249,7 @@ def contract(low, high, relaxation, product, widths, cost_weight, nu_lift, nu_th
     slack = level - total
     if slack < 0.0:
         return False
-    for i in range(6):
+    for i in range(VARIABLE_COUNT):
         slope = (
             cost_weight * relaxation[0, 1 + i]
             + nu_lift * relaxation[1, 1 + i]

@@ -20,8 +20,8 @@ from upwash.optimum.compiled.enclosure import (
 )
 
 
-@kernel
-def enclose_steps(low, high, widths, lanes, first_lanes, phase_end, core2, forms):
+@kernel(allocates=False)
+def enclose_steps(low, high, widths, lanes, first_lanes, phase_end, forms):
     """Enclose the wake force of all of the follower's states over a box, at both ends of the phase coordinate.
 
     Parameters
@@ -30,14 +30,12 @@ def enclose_steps(low, high, widths, lanes, first_lanes, phase_end, core2, forms
         The box, in (x, y, z_up, z_down, R, t).
     widths : (6,) ndarray of float
         Its half-widths, rounded up.
-    lanes : (14, l) ndarray of float
+    lanes : (15, l) ndarray of float
         See `upwash.aero.lanes.wake_lanes`.
     first_lanes : (N + 1,) ndarray of int
         Where the lanes of each state begin, and where the last end.
     phase_end : float
         Greatest phase coordinate; the least is 0.
-    core2 : float
-        Square of the core radius.
     forms : (3, 2, 2, 6) ndarray of float
         Overwritten: the sum of all states, whose slope by the height of the lowered tip alone is in the second; the
         third is scratch.
@@ -64,7 +62,6 @@ def enclose_steps(low, high, widths, lanes, first_lanes, phase_end, core2, forms
             last,
             True,
             phase_end,
-            core2,
             own,
         )
         for end in range(2):

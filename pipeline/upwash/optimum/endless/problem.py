@@ -8,18 +8,21 @@ without a range, keeps the arrays as wide as those of a pair behind a wake that 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.checked import REACH
-from upwash.aero.compiled.endless import LEAST_PHASE, MOST_PHASE, EndlessWake
+from upwash.aero.compiled.endless import LEAST_PHASE, EndlessWake
+from upwash.aero.compiled.lanes import ROWS
 from upwash.aero.endless import endless_wake_of
 from upwash.aero.pose import Pose, Stroke
+from upwash.optimum.compiled.endless_descent import FeltEndless
 from upwash.optimum.compiled.endless_enclosure import EndlessEnclosure
 from upwash.optimum.endless.bounds import edge_stations, endless_enclosure
 from upwash.optimum.problem import ASTERN, PairProblem
+from upwash.optimum.variables import ENDLESS_TABLE, Variable
 
 DISTANCE = 0.5
 """How far behind the leader the follower is said to fly if nothing else is asked for, in wavelengths."""
@@ -43,6 +46,8 @@ class EndlessProblem(PairProblem):
         If a value is out of range, or the model's span is told in points.
     """
 
+    variables: ClassVar[tuple[Variable, ...]] = ENDLESS_TABLE
+
     distance_m: float | None = None
 
     wake_felt: EndlessWake = field(init=False, repr=False, compare=False)
@@ -63,6 +68,11 @@ class EndlessProblem(PairProblem):
         object.__setattr__(self, "wake_felt", self._wake_felt())
         object.__setattr__(self, "enclosure", endless_enclosure(self.wake_felt))
         object.__setattr__(self, "stations", edge_stations(self.wake_felt))
+
+    @property
+    def felt(self) -> FeltEndless:
+        """The wake as the local solve takes it."""
+        return FeltEndless(self.wake_felt, self.stations)
 
     @property
     def is_symmetric(self) -> bool:
@@ -113,13 +123,7 @@ class EndlessProblem(PairProblem):
         return found
 
     def _lanes(self) -> dict[str, NDArray[Any]]:
-        return {"lanes": np.empty((14, 0))}
-
-    def _bounds(self) -> NDArray[np.float64]:
-        found = super()._bounds()
-        found[0] = LEAST_PHASE * self.wavelength, MOST_PHASE * self.wavelength
-        found[5] = 0.0
-        return found
+        return {"lanes": np.empty((ROWS, 0))}
 
     def _wake_felt(self) -> EndlessWake:
         return endless_wake_of(self.bird, self.ahead, self.model, self.bird.weight_n)

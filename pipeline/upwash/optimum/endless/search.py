@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.optimum.compiled.descent import SOLVED
-from upwash.optimum.compiled.endless_descent import solve_many_endless
+from upwash.optimum.compiled.endless_descent import FeltEndless, solve_many_endless
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.problem import OUTBOARD
-from upwash.optimum.search import Basin, merge_basins
+from upwash.optimum.search import Basin, Search, merge_basins
+from upwash.optimum.variables import VARIABLE_COUNT, neighbourhood_of
 
 BEYOND = 0.2
 """How far beyond the bounds of X, in wavelengths, a local solve may go before it is taken back by a wavelength."""
@@ -21,11 +21,8 @@ NEAR_BEST = 1.005
 NEIGHBOURS, MOST_NEIGHBOURHOODS = 8, 8
 """Basins that cost at most so many times the best are searched around, from so many starts, and so many of them."""
 
-NEIGHBOURHOOD = np.array([0.5, 0.3, 0.3, 0.3, 0.05, 0.0])
-"""How far around a basin starts are drawn."""
 
-
-class EndlessSearch:
+class EndlessSearch(Search):
     """The basins of one problem, as far as they have been found.
 
     Parameters
@@ -36,23 +33,27 @@ class EndlessSearch:
         Seed of the random starts.
     """
 
-    def __init__(self, problem: EndlessProblem, seed: int = 0) -> None:
-        self.problem = problem
-        self.random = np.random.default_rng(seed)
-        self.starts = 0
-        self.basins: list[Basin] = []
-        self._searched_around: list[Basin] = []
+    problem: EndlessProblem
+    solve_many = staticmethod(solve_many_endless)
 
-    def random_starts(self, bounds: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-        """Draw starts evenly over a box."""
-        return bounds[:, 0] + self.random.random((count, 6)) * (bounds[:, 1] - bounds[:, 0])
+    def __init__(self, problem: EndlessProblem, seed: int = 0) -> None:
+        super().__init__(problem, seed)
+
+    def wake_felt(self) -> FeltEndless:
+        """Return the wake as the local solve takes it."""
+        return self.problem.felt
+
+    @property
+    def edge_count(self) -> int:
+        """Number of core edges."""
+        return self.felt.wake.steps.shape[1] * self.felt.stations.shape[2]
 
     def descend(self, starts: NDArray[np.float64], bounds: NDArray[np.float64] | None = None) -> list[Basin]:
         """Solve from each start and return the basins reached, best first.
 
         Parameters
         ----------
-        starts : (n, 6) ndarray of float
+        starts : (n, VARIABLE_COUNT) ndarray of float
             Starts.
         bounds : (6, 2) ndarray of float, optional
             Bounds to solve within, all X being taken for bounds; the problem's if not given.
@@ -68,28 +69,6 @@ class EndlessSearch:
             found += self._solve(wrapped[None, :], within) if moved else [basin]
         return merge_basins(found)
 
-    def _solve(self, starts: NDArray[np.float64], bounds: NDArray[np.float64]) -> list[Basin]:
-        n, problem = len(starts), self.problem
-        points, costs = np.empty((n, 6)), np.empty(n)
-        multipliers, status = np.empty((n, 2)), np.empty(n, dtype=np.int64)
-        solve_many_endless(
-            np.ascontiguousarray(starts),
-            problem.wake_felt,
-            problem.constants,
-            problem.stations,
-            bounds,
-            points,
-            costs,
-            multipliers,
-            status,
-        )
-        solved = np.flatnonzero(status == SOLVED)
-        return [Basin(points[k], float(costs[k]), multipliers[k], 1) for k in solved]
-
-    def explore(self, starts: NDArray[np.float64]) -> None:
-        """Solve from each start within the problem's bounds and keep the basins."""
-        self.basins = merge_basins(self.basins + self.descend(starts))
-
     def keep(self, basin: Basin) -> None:
         """Keep a basin that was found elsewhere."""
         self.basins = merge_basins([*self.basins, basin])
@@ -101,18 +80,19 @@ class EndlessSearch:
             place[1] = side
             self.explore(self.random_starts(place, count))
 
-    def explore_around_best(self) -> None:
-        """Solve from starts around the basins that cost nearly as little as the best."""
+    def explore_around_best(self, least: float = np.inf) -> None:
+        """Solve from starts around the basins that cost nearly as little as the best; `least` as for `Search`."""
         for _ in range(MOST_NEIGHBOURHOODS):
-            known = self._searched_around
+            known = self.searched_around
             new = [
                 basin
                 for basin in self.basins
-                if basin.cost <= NEAR_BEST * self.basins[0].cost
+                if basin.cost <= NEAR_BEST * min(least, self.basins[0].cost)
                 and not any(np.max(np.abs(basin.point - one.point)) < 1e-3 for one in known)
             ]
             if not new or len(known) >= MOST_NEIGHBOURHOODS:
                 return
             known.append(new[0])
-            around = self.random.uniform(-1.0, 1.0, (NEIGHBOURS, 6)) * NEIGHBOURHOOD
+            around = self.random.uniform(-1.0, 1.0, (NEIGHBOURS, VARIABLE_COUNT))
+            around *= neighbourhood_of(self.problem.variables)
             self.explore(new[0].point + around)

@@ -19,18 +19,19 @@ from numpy.typing import NDArray
 from upwash.aero.compiled.endless import HEIGHT
 from upwash.optimum.certify import DEPTH, SEARCH_EVERY, UNREACHABLE_COST, Certificate
 from upwash.optimum.compiled.endless_boxes import clear_endless_boxes
+from upwash.optimum.compiled.relaxation import Limits
 from upwash.optimum.core_edge import BOTH, TURN, CoreEdge
 from upwash.optimum.endless.evidence import gather_endless_evidence
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import SHARE, EndlessSearch
 from upwash.optimum.evidence import Evidence, StatedEvidence
 from upwash.optimum.pieces import LEAST_CURVATURE, MOST_PROOFS, STATIONARY
-from upwash.optimum.problem import VARIABLES
 from upwash.optimum.proof import Proof
 from upwash.optimum.record import V_LABELS, labels, record
 from upwash.optimum.search import Basin
 from upwash.optimum.settings import SearchSettings
 from upwash.optimum.solution import Optimum, PairSolution
+from upwash.optimum.variables import VARIABLE_COUNT, VARIABLES
 
 FINER = 4
 """How many times as many steps a V optimum must stand."""
@@ -64,7 +65,7 @@ def solve_endless_pair(problem: EndlessProblem, settings: SearchSettings) -> Pai
     in_v: list[Basin] = []
     if np.all(v_bounds[:, 0] <= v_bounds[:, 1]):
         in_v = search.descend(search.random_starts(v_bounds, share), v_bounds)
-        search.explore(np.array([basin.point for basin in in_v]).reshape(-1, 6))
+        search.explore(np.array([basin.point for basin in in_v]).reshape(-1, VARIABLE_COUNT))
     search.explore_around_best()
     whole = _prove(search, problem.bounds, [], settings)
     v_region = _prove(search, v_bounds, in_v, settings, whole)
@@ -168,12 +169,12 @@ def certify_endless(
     if np.any(bounds[:, 0] > bounds[:, 1]):
         return Certificate(np.inf, 0, True, None)
     x, y, z, h, ratio, nothing = problem.proof_bounds(bounds)
-    lows, highs = np.empty((DEPTH, 6)), np.empty((DEPTH, 6))
+    lows, highs = np.empty((DEPTH, VARIABLE_COUNT)), np.empty((DEPTH, VARIABLE_COUNT))
     multipliers, floors = np.zeros((DEPTH, 2)), np.full(DEPTH, -np.inf)
     fars = np.full((DEPTH, 3, 7), np.inf)
     lows[0] = x[0], y[0], z[0] + 0.5 * h[0], z[0] - 0.5 * h[1], ratio[0], nothing[0]
     highs[0] = x[1], y[1], z[1] + 0.5 * h[1], z[1] - 0.5 * h[0], ratio[1], nothing[1]
-    limits, centre = np.array([*z, *h]), np.empty(6)
+    limits, centre = Limits(*z, *h), np.empty(VARIABLE_COUNT)
     best, threshold = incumbent, min(incumbent / (1.0 + tolerance), UNREACHABLE_COST)
     found: Basin | None = None
     height, boxes, left_open = 1, 0, np.inf

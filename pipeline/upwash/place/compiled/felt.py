@@ -14,47 +14,24 @@ from numpy.typing import NDArray
 from upwash.aero.compiled.endless import LEAST_PHASE, EndlessWake, endless_force_jacobian
 from upwash.aero.compiled.lanes import (
     CENTRE_Y,
+    CORE2,
     FIRST_X,
     FIRST_Z,
     LAST_X,
     LAST_Z,
+    ROWS,
     SLIDING,
     STEADY,
     wake_force_jacobian,
 )
 from upwash.kernel import kernel
+from upwash.optimum.compiled.problem import Constants, cost_of
 
 # Columns of an array of followers' places, a row for each bird ahead: relative to it, in semispans, and the lag behind.
 X, Y, Z, PHASE = range(4)
 
 # Columns of the slopes: of the place, which is moved relative to all birds ahead at once, of the stroke, of the lag.
 BY_X, BY_Y, BY_Z, BY_AMPLITUDE, BY_RATIO, BY_PHASE = range(6)
-
-
-class OwnFlight(NamedTuple):
-    """What a bird makes itself and what that costs, in weights and in costs of the lone bird.
-
-    Attributes
-    ----------
-    lift_fixed, lift_ratio : float
-        Its lift is ``lift_fixed + lift_ratio · R``.
-    thrust_fixed, thrust_ratio : float
-        Its thrust is ``h (thrust_fixed + thrust_ratio · R)``, with h in semispans.
-    drag : float
-        Drag over weight.
-    cost_force, cost_lift2, cost_thrust, cost_fixed : float
-        Weights of the size of its force, of its squared lift, of its thrust and of 1 in the cost.
-    """
-
-    lift_fixed: float
-    lift_ratio: float
-    thrust_fixed: float
-    thrust_ratio: float
-    drag: float
-    cost_force: float
-    cost_lift2: float
-    cost_thrust: float
-    cost_fixed: float
 
 
 class Felt(NamedTuple):
@@ -66,30 +43,27 @@ class Felt(NamedTuple):
         Whether the wake is `endless`, or consists of `lanes`.
     wavelength : float
         In semispans.
-    own : OwnFlight
+    own : Constants
         The follower's own force and its cost.
-    power : OwnFlight
+    power : Constants
         The same with its power as the cost.
-    lanes : (14, l) ndarray of float
+    lanes : (15, l) ndarray of float
         As from `upwash.aero.lanes.wake_lanes`, each with its whole strength: weight β₀ = 1, β₁ = 0.
     states : (2, l) ndarray of int
         State of the bird ahead and of the follower in each lane.
     stroke_states : int
         Number N of states.
-    core2 : float
-        Square of the core radius.
     endless : EndlessWake
         An endless wake; without steps if there is none.
     """
 
     is_endless: bool
     wavelength: float
-    own: OwnFlight
-    power: OwnFlight
+    own: Constants
+    power: Constants
     lanes: NDArray[np.float64]
     states: NDArray[np.int64]
     stroke_states: int
-    core2: float
     endless: EndlessWake
 
 
@@ -98,10 +72,10 @@ class Room(NamedTuple):
 
     Attributes
     ----------
-    lanes : (14 k l,) ndarray of float
+    lanes : (15 k l,) ndarray of float
         Lanes of all birds ahead that have a phase weight, row by row.
     edges : (4, k l) ndarray of float
-        The core's squared radius.
+        The squared radius of each lane's core.
     used : (1,) ndarray of int
         Number of those lanes.
     places : (k, 4) ndarray of float
@@ -135,8 +109,8 @@ def make_room(felt, birds_ahead):
     """Return scratch for places behind so many birds."""
     lanes = felt.lanes.shape[1] * birds_ahead
     return Room(
-        np.empty(14 * lanes),
-        np.full((4, lanes), felt.core2),
+        np.empty(ROWS * lanes),
+        np.empty((4, lanes)),
         np.zeros(1, np.int64),
         np.empty((birds_ahead, 4)),
         np.empty((4, felt.endless.steps.shape[1])),
@@ -176,7 +150,7 @@ def _weigh(felt, room):
         for lane in range(felt.lanes.shape[1]):
             weight, slope = _share(places[bird, PHASE], lane, felt)
             count += 1 if weight > 0.0 or slope > 0.0 else 0
-    lanes = room.lanes[: 14 * count].reshape((14, count))
+    lanes = room.lanes[: ROWS * count].reshape((ROWS, count))
     for bird in range(places.shape[0]):
         dx, dy, dz = (
             places[0, X] - places[bird, X],
@@ -187,7 +161,7 @@ def _weigh(felt, room):
             weight, slope = _share(places[bird, PHASE], lane, felt)
             if not (weight > 0.0 or slope > 0.0):
                 continue
-            for row in range(14):
+            for row in range(ROWS):
                 lanes[row, used] = felt.lanes[row, lane]
             lanes[FIRST_X, used] += dx
             lanes[LAST_X, used] += dx
@@ -196,6 +170,8 @@ def _weigh(felt, room):
             lanes[CENTRE_Y, used] += dy
             lanes[STEADY, used] = weight * felt.lanes[STEADY, lane]
             lanes[SLIDING, used] = slope * felt.lanes[STEADY, lane]
+            for filament in range(4):
+                room.edges[filament, used] = felt.lanes[CORE2, lane]
             used += 1
     room.used[0] = used
 
@@ -247,8 +223,8 @@ def look(amplitude, ratio, felt, room):
                     slopes[c, i] += part[c, i]
     else:
         point[0], point[1], point[2], point[5] = places[0, X], places[0, Y], places[0, Z], 0.0
-        lanes = room.lanes[: 14 * room.used[0]].reshape((14, room.used[0]))
-        lift, thrust = wake_force_jacobian(point, lanes, felt.core2, room.edges, slopes)
+        lanes = room.lanes[: ROWS * room.used[0]].reshape((ROWS, room.used[0]))
+        lift, thrust = wake_force_jacobian(point, lanes, room.edges, slopes)
     thrust_span = own.thrust_fixed + own.thrust_ratio * ratio
     room.balance[0] = own.lift_fixed + own.lift_ratio * ratio + lift - 1.0
     room.balance[1] = amplitude * thrust_span + thrust - own.drag
@@ -262,9 +238,6 @@ def cost_of_stroke(amplitude, ratio, own):
     """Return the cost of a stroke over that of the lone bird, and its slopes by amplitude and ratio."""
     thrust_span = own.thrust_fixed + own.thrust_ratio * ratio
     lift, thrust = own.lift_fixed + own.lift_ratio * ratio, amplitude * thrust_span
-    force = np.sqrt(lift * lift + thrust * thrust)
-    cost = own.cost_force * force + own.cost_lift2 * lift * lift + own.cost_thrust * thrust + own.cost_fixed
-    by_lift = own.cost_force * lift / force + 2.0 * own.cost_lift2 * lift
-    by_thrust = own.cost_force * thrust / force + own.cost_thrust
+    cost, by_lift, by_thrust = cost_of(lift, thrust, own)
     by_ratio = by_lift * own.lift_ratio + by_thrust * amplitude * own.thrust_ratio
     return cost, by_thrust * thrust_span, by_ratio

@@ -21,8 +21,8 @@ from upwash.aero.wake import WakeModel
 from upwash.columns import Column
 from upwash.errors import UpwashError
 from upwash.optimum.pair import solve_pair
-from upwash.optimum.problem import LEAST_AMPLITUDE, SPAN_RATIO_BOUNDS
 from upwash.optimum.settings import SearchSettings
+from upwash.optimum.variables import LEAST_AMPLITUDE, SPAN_RATIO_BOUNDS
 from upwash.place.balance import MISSING, Behind
 from upwash.place.survey import QUANTILES, Birds, Survey, survey
 from upwash.species import Species
