@@ -154,7 +154,6 @@ class TestInfeasible:
         ),
         ({"search": {"tolerance": 0.0}}, "tolerance: expected a number between 0 and 1, found 0.0"),
         ({"search": {"tolerance": math.nan}}, "tolerance: expected a number between 0 and 1, found nan"),
-        ({"model": WakeModel(stroke_states=4)}, "stroke_states: expected 2 \\(.*, found 4"),
         ({"amplitude_limit_m": -1.0}, "amplitude_m: expected a positive, finite number, found -1.0"),
         ({"ahead": {"amplitude_m": 1.0, "span_ratio": 0.0}}, "span_ratio: expected .*, found 0.0"),
     ],
