@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import pytest
 from upwash import SearchSettings, Stroke, solve_pair
-from upwash.aero.wake import WakeModel
 from upwash.optimum.proof import Claims
 from upwash.optimum.variables import VARIABLES
 
