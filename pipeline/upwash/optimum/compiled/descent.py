@@ -62,6 +62,7 @@ def descent(
     edge_distance: Any,
     edge_pull: Any,
     *,
+    varied: int,
     most_steps: int,
     keeps_sides: bool,
 ) -> tuple[Any, Any, Any]:
@@ -82,6 +83,8 @@ def descent(
         (point, felt, edge, gradient) -> s = r²/r_c² − 1; the gradient is filled in.
     edge_pull : kernel
         (point, felt, edge, multipliers, room) -> what the edge adds to the Lagrangian there.
+    varied : int
+        How many of the variables have a range, the first ones.
     most_steps : int
         Steps after which a solve is given up.
     keeps_sides : bool
@@ -125,7 +128,7 @@ def descent(
                 pinned_count += 1
         for i in range(VARIABLE_COUNT):
             moved[i] = point[i]
-        for k in range(-1, VARIABLE_COUNT):
+        for k in range(-1, varied):
             if k >= 0:
                 moved[k] = point[k] + DIFFERENCE
             evaluate(moved, felt, constants, room, near, side, count, balance)
@@ -143,6 +146,9 @@ def descent(
                 moved[k] = point[k]
                 for i in range(VARIABLE_COUNT):
                     hessian[k, i] = (gradient[i] - here[i]) / DIFFERENCE
+        for k in range(varied, VARIABLE_COUNT):
+            for i in range(VARIABLE_COUNT):
+                hessian[k, i] = hessian[i, k] = 0.0
         for i in range(VARIABLE_COUNT):
             for j in range(i):
                 mean = 0.5 * (hessian[i, j] + hessian[j, i])

@@ -130,6 +130,7 @@ solve_endless, solve_many_endless, fill_endless_hessian = descent(
     _count_edges,
     _edge_distance,
     _edge_pull,
+    varied=PHASE,
     most_steps=200,
     keeps_sides=True,
 )

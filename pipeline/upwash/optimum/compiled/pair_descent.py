@@ -12,6 +12,7 @@ from upwash.kernel import kernel
 from upwash.optimum.compiled.descent import descent
 from upwash.optimum.compiled.edges import edge_distance, edge_pull
 from upwash.optimum.compiled.problem import evaluate
+from upwash.optimum.variables import VARIABLE_COUNT
 
 
 class FeltLanes(NamedTuple):
@@ -81,6 +82,7 @@ solve_local, solve_many, fill_hessian = descent(
     _count_edges,
     _edge_distance,
     _edge_pull,
+    varied=VARIABLE_COUNT,
     most_steps=400,
     keeps_sides=False,
 )
