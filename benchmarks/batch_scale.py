@@ -14,8 +14,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from upwash.batch.store import schema_of
 from upwash.columns import INTEGER, TEXT, Column
+from upwash.jobs.schema import schema_of
 
 from benchmarks.record import in_words
 

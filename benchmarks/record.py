@@ -7,8 +7,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pyarrow as pa
-from upwash.batch.store import code_version, encode, schema_of, write_atomic
+from upwash.batch.store import code_version, encode, write_atomic
 from upwash.columns import INTEGER, TEXT, Column
+from upwash.jobs.schema import schema_of
 
 from benchmarks import machine
 

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from joblib import Parallel, delayed
 from upwash.aero.bird import Bird
-from upwash.batch.store import schema_of
 from upwash.columns import INTEGER, TEXT, TRUTH, Column
+from upwash.jobs.schema import schema_of
 from upwash.optimum.pair import solve_pair
 from upwash.optimum.proof import OPEN
 from upwash.optimum.settings import SearchSettings

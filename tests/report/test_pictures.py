@@ -25,7 +25,7 @@ def solved(monkeypatch):
         "pair": studies.frame([row for row in studies.pair_rows() if row["objective"] == "force"]),
         "flock": studies.frame(list(studies.flock_rows(birds=3)[:3]), "flock"),
     }
-    monkeypatch.setattr(pictures, "_solved", lambda kind, chosen: rows[kind])
+    monkeypatch.setattr(pictures, "_solved", lambda kind, chosen: rows[kind.name])
     return rows
 
 
