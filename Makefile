@@ -1,7 +1,7 @@
 # Upwash. `make` alone lists what there is to do. Needs only make and a Python 3.11 or newer.
 
 .DEFAULT_GOAL := help
-.PHONY: help install test portable reproduce reference wheel check bench mutants docs clean lock
+.PHONY: help install test thorough portable reproduce reference wheel check bench mutants docs clean lock
 .DELETE_ON_ERROR:
 
 # The first of these that is a Python 3.11 or newer and can make virtual environments; `make PYTHON=… test` overrides.
@@ -18,8 +18,11 @@ help:  ## list these targets
 
 install: $(VENV)/installed-dev  ## make .venv with everything a developer needs
 
-test: $(VENV)/installed-dev  ## run all tests, in two processes
-	$(PYTEST)
+test: $(VENV)/installed-dev  ## run the tests, in two processes, but for those that take long
+	$(PYTEST) -m "not thorough"
+
+thorough: $(VENV)/installed-dev  ## run the tests that take long: whole matrices of faults and forgeries, kills, generated code
+	$(PYTEST) -m thorough
 
 portable: $(VENV)/installed-dev  ## run all tests with kernels compiled for any processor instead of this one
 	NUMBA_CPU_NAME=generic NUMBA_CPU_FEATURES= $(PYTEST)

@@ -20,6 +20,8 @@ from click.testing import CliRunner
 from upwash import cli
 from upwash.kernel import cache_folders
 
+pytestmark = pytest.mark.thorough
+
 SWEEP = 'name = "study"\nspecies = "northern-bald-ibis"\nobjective = ["force", "power"]\n'
 MORE = 'name = "more"\nspecies = "mute-swan"\n'
 IBIS = "northern-bald-ibis"

@@ -16,6 +16,8 @@ from upwash.batch.check import check, of_rows
 from upwash.batch.folder import Plan, ResultsFolder
 from upwash.jobs.kinds import KINDS
 
+pytestmark = pytest.mark.thorough
+
 SCHEMAS = {"pair": of.SOLUTIONS_COLUMNS, "flock": of.FLOCK_COLUMNS}
 SUMMARIES = {"pair": of.PAIR_SUMMARY, "flock": of.FLOCK_SUMMARY}
 MADE_UP = {of.FLOAT: 1.0, of.INTEGER: 1, of.TEXT: "made up", of.TRUTH: True}

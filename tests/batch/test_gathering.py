@@ -130,6 +130,7 @@ def test_a_bad_job_among_cheap_ones_fails_alone(bench):
     assert (status["solved"], status["failed"], status["causes"]) == (500, 500, {"BrokenContract": 500})
 
 
+@pytest.mark.thorough
 def test_kill_9_at_any_step_of_gathering_loses_and_repeats_nothing(bench, killed, undisturbed):
     bench.sweep("slow", 40)
     kills = 0

@@ -14,6 +14,7 @@ KILLS = 20
 JOBS = 40
 
 
+@pytest.mark.thorough
 def test_kill_9_of_the_run_twenty_times(bench, undisturbed):
     bench.sweep("slow", JOBS)
     chance = random.Random(0)

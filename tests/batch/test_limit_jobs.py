@@ -9,6 +9,8 @@ import pytest
 from upwash import columns as of
 from upwash.aero.wake import WakeModel
 
+pytestmark = pytest.mark.thorough
+
 JOBS = 3
 
 

@@ -34,6 +34,8 @@ from upwash.literature.ledger import (
 from upwash.report.literature import CONTRADICTED
 from upwash.study.observations import read_observations
 
+pytestmark = pytest.mark.thorough
+
 ENTRIES = {entry.row_id: entry for entry in read_entries()}
 
 

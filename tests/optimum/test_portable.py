@@ -15,6 +15,8 @@ import pytest
 from upwash import solve_pair
 from upwash.columns import FLOAT, OPTIMUM, RECOMPUTED, belonging, column
 
+pytestmark = pytest.mark.thorough
+
 NEAR = 1.01
 """Optima that cost up to this many times the best are all reported."""
 

@@ -12,6 +12,8 @@ from upwash.place.balance import Behind
 from upwash.report.explorer.page import constants, write_explorer
 from upwash.species import load_species
 
+pytestmark = pytest.mark.thorough
+
 SPECIES = ("northern-bald-ibis", "dunlin", "mute-swan")
 STATES = 2000
 POWER = {name: getattr(COST_FUNCTIONS["power"], name) for name in ("force", "induced", "profile", "parasite")}

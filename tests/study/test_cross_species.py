@@ -16,6 +16,8 @@ from upwash.study.comparison import compare
 from upwash.study.mechanism import count_species, mechanism
 from upwash.study.observations import compare_with_observations
 
+pytestmark = pytest.mark.thorough
+
 PROBLEMS_OF_A_SPECIES = 4
 
 
