@@ -8,8 +8,8 @@ from pathlib import Path
 import click
 
 from upwash.aero.power import COST_FUNCTIONS
+from upwash.cli.solve import amplitude_option
 from upwash.cli.streams import at_work
-from upwash.species import AMPLITUDE_CONVENTIONS
 
 
 @click.command()
@@ -28,13 +28,7 @@ from upwash.species import AMPLITUDE_CONVENTIONS
     show_default=True,
     help="The model that is shown first; the page has both.",
 )
-@click.option(
-    "--amplitude",
-    type=click.Choice(list(AMPLITUDE_CONVENTIONS)),
-    default="stroke-angle",
-    show_default=True,
-    help="How the lone bird's amplitude is chosen.",
-)
+@amplitude_option
 @click.option(
     "--set",
     "settings",

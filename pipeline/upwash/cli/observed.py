@@ -11,9 +11,9 @@ import click
 
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.cli.printing import as_json
+from upwash.cli.solve import amplitude_option, settings_option
 from upwash.cli.streams import at_work
 from upwash.optimum.settings import WAKES
-from upwash.species import AMPLITUDE_CONVENTIONS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,25 +35,13 @@ PHASE_STARTS = ("downstroke-start", "upstroke-start")
     show_default=True,
     help="What a bird makes least where it may choose.",
 )
-@click.option(
-    "--amplitude",
-    type=click.Choice(list(AMPLITUDE_CONVENTIONS)),
-    default="stroke-angle",
-    show_default=True,
-    help="How the lone bird's amplitude is chosen.",
-)
+@amplitude_option
 @click.option(
     "--model",
     metavar="paper|limit",
     help="How wakes are resolved: as in the paper, which is usual, or converged.",
 )
-@click.option(
-    "--set",
-    "settings",
-    metavar="NAME=VALUE",
-    multiple=True,
-    help="Set an input, in SI units, or a part of the model, as in speed_m_s=12; may be repeated.",
-)
+@settings_option
 @click.option(
     "--bounds",
     type=click.Choice(BOUNDS),

@@ -14,6 +14,21 @@ from upwash.cli.streams import at_work
 from upwash.optimum.settings import FLOCK_CHOICES
 from upwash.species import AMPLITUDE_CONVENTIONS
 
+amplitude_option = click.option(
+    "--amplitude",
+    type=click.Choice(list(AMPLITUDE_CONVENTIONS)),
+    default="stroke-angle",
+    show_default=True,
+    help="How the lone bird's amplitude is chosen.",
+)
+settings_option = click.option(
+    "--set",
+    "settings",
+    metavar="NAME=VALUE",
+    multiple=True,
+    help="Set an input, in SI units, or a part of the model, as in speed_m_s=12; may be repeated.",
+)
+
 
 def problem(
     objective: str = "force", model: str = "paper"
@@ -34,25 +49,13 @@ def problem(
             show_default=True,
             help="What is to be least.",
         ),
-        click.option(
-            "--amplitude",
-            type=click.Choice(list(AMPLITUDE_CONVENTIONS)),
-            default="stroke-angle",
-            show_default=True,
-            help="How the lone bird's amplitude is chosen.",
-        ),
+        amplitude_option,
         click.option(
             "--model",
             metavar="paper|limit",
             help=f"How wakes are resolved: as in the paper, or converged.  [default: {model}]",
         ),
-        click.option(
-            "--set",
-            "settings",
-            metavar="NAME=VALUE",
-            multiple=True,
-            help="Set an input, in SI units, or a part of the model, as in speed_m_s=12; may be repeated.",
-        ),
+        settings_option,
         click.option(
             "--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of the search."
         ),
