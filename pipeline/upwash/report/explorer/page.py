@@ -16,6 +16,7 @@ from upwash import __version__
 from upwash.aero import power
 from upwash.aero.bird import Bird
 from upwash.aero.compiled.endless import LEAST_PHASE
+from upwash.aero.compiled.rings import END_FLOOR
 from upwash.aero.endless import REACH
 from upwash.aero.wake import CORE_RADIUS_RATIO, ROLL_UP, STEP_IN_CORES, WakeModel
 from upwash.batch.store import write_atomic
@@ -29,7 +30,11 @@ from upwash.species.library import REFERENCE
 from upwash.study.observations import read_observations
 
 ASSETS = files("upwash.report.explorer")
-SCRIPTS = ("physics.js", "map.js", "drawing.js", "explorer.js")
+SCRIPTS = (
+    *("bird.js", "paper_wake.js", "endless_wake.js", "balance.js", "physics.js", "map.js"),
+    *("chosen.js", "words.js", "drawing.js", "views.js", "answer.js", "map_view.js", "explorer.js"),
+)
+"""What the page's script is made of, each taking only from those before it."""
 
 STROKE_GRID = {"paper": (40, 30), "limit": (16, 10)}
 """Least number of cells, by amplitude and by ratio, in which the page looks for strokes that balance."""
@@ -48,6 +53,7 @@ def constants() -> dict[str, Any]:
         "roll_up": ROLL_UP,
         "core_radius_ratio": CORE_RADIUS_RATIO,
         "step_in_cores": STEP_IN_CORES,
+        "end_floor": END_FLOOR,
         "reach": REACH,
         "least_phase": LEAST_PHASE,
         "stroke_bounds": tuple(zip(WIDE_AMPLITUDE, WIDE_SPAN_RATIO, strict=True)),
