@@ -9,9 +9,10 @@ import pytest
 from click.testing import CliRunner
 from PIL import Image
 from upwash.aero.interaction import net_force
+from upwash.aero.wake import wake_at_phases
 from upwash.cli import main, pictures
 from upwash.report import animation
-from upwash.report.animation import Scene, half_span, own_phases, tip_track
+from upwash.report.animation import Scene, flexed, half_span, outlines, own_phases, rings, tip_track
 from upwash.study.field import field_table, plane_through
 from upwash.study.rows import best, bird_of, pose_of
 
@@ -157,6 +158,46 @@ class TestAnimate:
         against = birds.assign(phase_flock=0.0)
         wrong = tip_track(against.iloc[1], 0.5)[0, 2] - np.interp(1.8, *tip_track(leader, 0.5)[:, [0, 2]].T)
         assert abs(wrong) > 0.7
+
+    @pytest.mark.parametrize("phase", [0.0, 0.3, 0.5, 0.8])
+    def test_rings_are_those_of_the_model(self, birds, phase):
+        leader = birds.iloc[0]
+        wavelength = leader["speed_m_s"] * leader["period_s"]
+        stroke = leader["amplitude_m"], leader["upstroke_span_ratio"]
+        wake = wake_at_phases([phase], *stroke, leader["semispan_m"], wavelength, 1.0)
+        found = rings(leader, phase)
+        assert [is_up for is_up, _ in found] == list(wake.is_upstroke)
+        for (_, corners), expected in zip(found, wake.corners(), strict=True):
+            assert corners == pytest.approx(expected)
+
+    def test_the_ring_that_is_being_shed_grows_at_the_bird(self, birds):
+        leader = birds.iloc[0]
+        lengths = []
+        for phase in (0.1, 0.25, 0.4):
+            is_up, corners = rings(leader, phase)[0]
+            assert not is_up and corners[0, 0] == leader["x_flock_m"]
+            assert corners[0, 2] == pytest.approx(tip_track(leader, phase)[0, 2])
+            lengths.append(corners[2, 0] - corners[0, 0])
+        assert lengths == pytest.approx([0.375, 0.9375, 1.5])
+
+    def test_an_endless_wake_is_drawn_beyond_a_wavelength(self, birds):
+        leader = birds.assign(wavelengths=np.inf).iloc[0]
+        assert max(corners[:, 0].max() for _, corners in rings(leader, 0.3)) == pytest.approx(1.5 * 3.75)
+
+    def test_wings_flex_by_the_span_law(self, birds):
+        tip, stroke = birds.assign(span_law="tip").iloc[0], birds.assign(span_law="stroke").iloc[0]
+        assert flexed(tip, np.array([0.25, 0.75])) == pytest.approx([0.5, 0.5])
+        assert flexed(stroke, np.array([0.25, 0.75])) == pytest.approx([0.0, 1.0])
+        assert flexed(stroke, np.array([0.0, 0.5, 1.0])) == pytest.approx([0.5, 0.5, 0.5])
+
+    def test_wingtips_of_the_drawn_bird_are_where_the_model_has_them(self, birds):
+        follower = birds.iloc[1]
+        right, *_, left = outlines(follower, 0.3)
+        tip = tip_track(follower, 0.3)[0]
+        assert right[:, 1].max() == pytest.approx(tip[1], abs=0.1 * follower["semispan_m"])
+        assert left[:, 1].min() == pytest.approx(2 * follower["y_flock_m"] - tip[1], abs=0.06)
+        furthest = right[right[:, 1].argmax()]
+        assert furthest[2] == pytest.approx(tip[2], abs=0.06)
 
     def test_lines_of_the_picture_are_the_tracks(self, birds):
         scene = Scene(birds)
