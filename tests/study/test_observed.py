@@ -8,9 +8,9 @@ import pytest
 import renew_observed
 from upwash import Pose, SearchSettings, Stroke, WakeModel, evaluate, load_species, solve_pair, wake_force
 from upwash.errors import UpwashError
-from upwash.study.observed.evaluation import EVALUATION, OUTCOMES
 from upwash.study.observed.table import Reading
 from upwash.study.observed.tally import EvaluationTally, rayleigh
+from upwash.study.told import EVALUATION, OUTCOMES
 
 SPECIES = load_species("northern-bald-ibis")
 IBIS = SPECIES.bird()

@@ -14,15 +14,13 @@ from upwash.cli.printing import as_json
 from upwash.cli.solve import amplitude_option, settings_option
 from upwash.cli.streams import at_work
 from upwash.optimum.settings import WAKES
+from upwash.place.choices import BOUNDS
+from upwash.study.observed.choices import PHASE_SIGNS, PHASE_STARTS, PHASE_UNITS
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from upwash.study.observed.evaluation import Asked
-
-BOUNDS = ("paper", "wide")
-PHASE_UNITS, PHASE_SIGNS = ("beats", "deg", "rad"), ("lag", "lead")
-PHASE_STARTS = ("downstroke-start", "upstroke-start")
 
 
 @click.command()
@@ -56,7 +54,7 @@ PHASE_STARTS = ("downstroke-start", "upstroke-start")
     help="Other names of columns, as in behind_cm=x_m: a unit that a name ends in is converted.",
 )
 @click.option(
-    "--phase-unit", type=click.Choice(PHASE_UNITS), help="Unit of the phase; wingbeats if not given."
+    "--phase-unit", type=click.Choice(list(PHASE_UNITS)), help="Unit of the phase; wingbeats if not given."
 )
 @click.option(
     "--phase-sign",
@@ -67,7 +65,7 @@ PHASE_STARTS = ("downstroke-start", "upstroke-start")
 )
 @click.option(
     "--phase-at",
-    type=click.Choice(PHASE_STARTS),
+    type=click.Choice(list(PHASE_STARTS)),
     help="The phase is the follower's own, counted from there, when its leader begins its downstroke.",
 )
 @click.option("--pairs", is_flag=True, help="TABLE holds the positions of all birds at each time.")

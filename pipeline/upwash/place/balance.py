@@ -20,12 +20,10 @@ from upwash.aero.pose import Stroke
 from upwash.aero.wake import WakeModel
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.problem import PairProblem
+from upwash.place.choices import BOUNDS
 from upwash.place.compiled import balances as compiled
 from upwash.place.compiled.balances import MOST_BALANCES, StrokeBounds, find_balances
 from upwash.place.compiled.felt import Felt, Room, make_room, settle
-
-BOUNDS = ("paper", "wide")
-"""Within which bounds a stroke is sought: those of the paper's search, or as wide as a wing may move."""
 
 WIDE_AMPLITUDE = (0.01, 2.0)
 """In semispans; at the upper end the wings meet."""

@@ -8,8 +8,8 @@ from typing import Any
 import pandas as pd
 
 from upwash.report.table import Table, shown
-from upwash.study.observed.evaluation import EVALUATION, INVALID, LEADING, NO_BALANCE, PAYS, SAVES
 from upwash.study.observed.tally import EvaluationTally
+from upwash.study.told import EVALUATION, INVALID, LEADING, NO_BALANCE, PAYS, SAVES
 
 ROWS_SHOWN = 20
 """Rows that are printed; the rest is told of."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -22,82 +21,15 @@ from upwash.columns import Column
 from upwash.errors import UpwashError
 from upwash.optimum.pair import solve_pair
 from upwash.optimum.settings import SearchSettings
-from upwash.optimum.variables import LEAST_AMPLITUDE, SPAN_RATIO_BOUNDS
-from upwash.place.balance import MISSING, Behind
-from upwash.place.survey import QUANTILES, Birds, Survey, survey
+from upwash.place.balance import Behind
+from upwash.place.survey import Birds, survey
 from upwash.species import Species
 from upwash.study.observed.pairs import LEADS, NEEDED, Pairs, pair_up
 from upwash.study.observed.table import PLACE, Reading, Rows, read_rows
-
-SAVES, PAYS, NO_BALANCE, LEADING, INVALID = "saves", "pays", "no-balance", "leads", "invalid"
-OUTCOMES = (SAVES, PAYS, NO_BALANCE, LEADING, INVALID)
-"""What may come out for a bird."""
+from upwash.study.told import EVALUATION, INVALID, LEADING, of_places, of_strokes
 
 MOST_OPTIMA = 20
 """Of so many different birds (by mass, speed and wingbeat period) the V optimum is sought; each takes a search."""
-
-_saving = partial(Column, unit="1", format=".2f", percent=True)
-_ratio = partial(Column, unit="1")
-_truth = partial(Column, unit="", type=of.TRUTH)
-
-EVALUATION = (
-    Column("leader", "", "nearest bird ahead, in a table of all birds", type=of.TEXT),
-    *(of.column(name) for name in ("x_m", "y_m", "z_m", "phase", "spatial_phase")),
-    Column("outcome", "", "saves, pays, no-balance, leads or invalid", type=of.TEXT),
-    Column("reason", "", "why nothing balances, or what is wrong with the row", type=of.TEXT),
-    of.column("saving_total"),
-    of.column("saving_induced"),
-    of.column("saving_profile"),
-    _saving(
-        "saving_total_low", head="low", description="saving with the place off by its errors: quantile of 5 %"
-    ),
-    _saving("saving_total_high", head="high", description="the same: quantile of 95 %"),
-    _ratio(
-        "balanced_nearby", description="share of the places within the errors at which something balances"
-    ),
-    _saving("saving_best_phase", description="saving with the best phase, where none is given"),
-    _saving(
-        "saving_mean_phase",
-        head="mean",
-        description="mean saving over the phases that balance, where none is given",
-    ),
-    _saving("saving_worst_phase", head="worst", description="least saving over those phases"),
-    _saving(
-        "saving_mean_height",
-        description="mean saving within half the leader's amplitude, where z_m is missing",
-    ),
-    _saving("saving_worst_height", description="least saving over those heights that balance"),
-    _ratio("balanced_share", description="share of those phases and heights at which something balances"),
-    of.column("cost"),
-    of.column("amplitude_m"),
-    of.column("upstroke_span_ratio"),
-    _ratio(
-        "amplitude_to_alone",
-        head="h/alone",
-        format=".3f",
-        description="needed amplitude over that of the bird alone",
-    ),
-    _ratio(
-        "upstroke_span_ratio_to_alone", description="needed upstroke span ratio over that of the bird alone"
-    ),
-    Column("solutions", "1", "strokes that balance; the cheapest is told", type=of.INTEGER),
-    _saving(
-        "saving_at_v_optimum", description="saving at the V optimum, the same bird's and by the same model"
-    ),
-    _ratio("share_of_attainable", description="saving over that at the V optimum"),
-    Column(
-        "distance_to_optimum_m",
-        "m",
-        "from the V optimum; along the wake by the spatial phase where the wake is endless",
-    ),
-    _truth(
-        "wings_overlap",
-        description="nearer than a wingspan aside, so that the wings overlap across the flight path",
-    ),
-    _truth("beyond_wake", description="behind the end of the wake"),
-    _truth("outside_paper_bounds", description="stroke beyond the bounds that the paper searches"),
-)
-"""Columns of what is evaluated, after those of the table that are passed through."""
 
 
 @dataclass(frozen=True)
@@ -302,18 +234,11 @@ class Evaluation:
         known[np.repeat(free_phase, counts), 3] = 0.0
         birds = Birds(known, first, free_height, free_phase, self._errors(members, rows, behind.bird))
         found = survey(behind, birds, self.jobs)
-        nearest = known[first[:-1]]
-        x, y = nearest[:, 0], nearest[:, 1]
-        z, phase = nearest[:, 2] + found.height_m, (nearest[:, 3] + found.phase) % 1.0
-        spatial = x / behind.bird.wavelength_m - phase
-        spatial -= np.ceil(spatial - 0.5)
-        values = _savings(behind, found)
+        at = known[first[:-1]]
+        at[:, 2] += found.height_m
+        at[:, 3] = (at[:, 3] + found.phase) % 1.0
+        values = of_places(behind, at) | of_strokes(behind, found)
         values |= {
-            "x_m": x,
-            "y_m": y,
-            "z_m": z,
-            "phase": phase,
-            "spatial_phase": spatial,
             "saving_total_low": found.low,
             "saving_total_high": found.high,
             "balanced_nearby": found.balanced_nearby,
@@ -323,12 +248,6 @@ class Evaluation:
             "saving_mean_height": found.mean_height,
             "saving_worst_height": found.worst_height,
             "balanced_share": found.balanced_share,
-            "solutions": found.count,
-            "outcome": _outcomes(found, values["saving_total"]),
-            "reason": _reasons(found),
-            "wings_overlap": np.abs(y) < 2.0 * behind.bird.semispan_m,
-            "beyond_wake": x > behind.model.wavelengths * behind.bird.wavelength_m,
-            "outside_paper_bounds": _outside(behind, found),
         }
         values |= self._beside_optimum(behind, values)
         for name, column in values.items():
@@ -490,56 +409,3 @@ def _nothing(column: Column, count: int) -> NDArray:
     if column.type == of.INTEGER:
         return np.zeros(count, np.int64)
     return np.full(count, None, dtype=object)
-
-
-def _savings(behind: Behind, found: Survey) -> dict[str, NDArray]:
-    """Return savings, cost and stroke of what was found."""
-    power, bird, b = behind.felt.power, behind.bird, behind.bird.semispan_m
-    lift = power.lift_fixed + power.lift_ratio * found.span_ratio
-    thrust = found.amplitude_m / b * (power.thrust_fixed + power.thrust_ratio * found.span_ratio)
-    total = power.cost_lift2 * lift**2 + power.cost_thrust * thrust + power.cost_fixed
-    return {
-        "saving_total": 1.0 - total,
-        "saving_induced": 1.0 - lift**2,
-        "saving_profile": 1.0 - thrust / power.drag,
-        "cost": found.cost * behind.leader_cost,
-        "amplitude_m": found.amplitude_m,
-        "upstroke_span_ratio": found.span_ratio,
-        "amplitude_to_alone": found.amplitude_m / bird.amplitude_m,
-        "upstroke_span_ratio_to_alone": found.span_ratio / bird.upstroke_span_ratio,
-    }
-
-
-def _outcomes(found: Survey, saving: NDArray[np.float64]) -> NDArray[np.object_]:
-    outcome = np.where(saving > 0.0, SAVES, PAYS).astype(object)
-    outcome[found.count == 0] = NO_BALANCE
-    return outcome
-
-
-def _reasons(found: Survey) -> NDArray[np.object_]:
-    reasons = np.full(len(found.count), None, dtype=object)
-    for row in np.flatnonzero(found.count == 0):
-        what = MISSING[int(found.missing[row])]
-        of_what = "weight" if what.endswith("lift") else "drag"
-        amount = f"{100.0 * found.missing_share[row]:.2g} % of the {of_what}"
-        if what.startswith("less "):
-            reasons[row] = f"too much {what.removeprefix('less ')}, by {amount}"
-        else:
-            reasons[row] = f"short of {what}, by {amount}"
-    return reasons
-
-
-def _outside(behind: Behind, found: Survey) -> NDArray[np.object_]:
-    """Return whether strokes are beyond the paper's bounds; None where there is none."""
-    limit, slack = behind.ahead.amplitude_m, 1e-9
-    low, high = SPAN_RATIO_BOUNDS
-    outside = (found.amplitude_m < (LEAST_AMPLITUDE - slack) * limit) | (
-        found.amplitude_m > (1.0 + slack) * limit
-    )
-    outside |= (found.span_ratio < low - slack) | (found.span_ratio > high + slack)
-    told = outside.astype(object)
-    told[found.count == 0] = None
-    return told
-
-
-__all__ = ["EVALUATION", "OUTCOMES", "QUANTILES", "Asked", "Evaluation", "evaluate"]

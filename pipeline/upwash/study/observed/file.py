@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from upwash.batch.store import TABLE_OPTIONS, provenance, replacing
 from upwash.errors import UpwashError
 from upwash.jobs.schema import schema_of
-from upwash.study.observed.evaluation import EVALUATION
+from upwash.study.told import EVALUATION
 
 ROWS_AT_ONCE = 20_000
 """Rows of a piece."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -11,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from upwash.errors import UpwashError
+from upwash.study.observed.choices import PHASE_SIGNS, PHASE_STARTS, PHASE_UNITS
 
 PLACE = ("x_m", "y_m")
 """What each row must have: how far behind its leader and how far to the right of it a bird flies, in m."""
@@ -28,15 +28,6 @@ KNOWN = (
     "sigma_phase",
 )
 """Columns that are understood; all others are passed through."""
-
-PHASE_UNITS = {"beats": 1.0, "deg": 1.0 / 360.0, "rad": 0.5 / math.pi}
-"""Units in which a phase may stand, in wingbeats."""
-
-PHASE_SIGNS = ("lag", "lead")
-"""Whether a positive phase says that the follower comes later than its leader, or earlier."""
-
-PHASE_STARTS = {"downstroke-start": 0.0, "upstroke-start": 0.5}
-"""Where a bird's own wingbeat may begin, in wingbeats after the start of its downstroke."""
 
 # Ends of names by which a unit is told: end -> (dimension, in SI units); the longest are tried first.
 _UNITS = {

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from upwash.study.observed.evaluation import OUTCOMES
+from upwash.study.told import OUTCOMES
 
 
 @dataclass
