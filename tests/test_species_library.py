@@ -1,4 +1,4 @@
-"""The species library: the paper's ibis to the last digit, twenty birds with sources, two conventions."""
+"""The species library: the paper's ibis to the last digit, twenty birds with sources, three conventions."""
 
 import csv
 import math
@@ -7,7 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from upwash.aero.atmosphere import density_kg_m3
 from upwash.aero.bird import Bird
+from upwash.aero.drag import DragPolar
+from upwash.aero.power import COST_FUNCTIONS
 from upwash.errors import UpwashError
 from upwash.species import AMPLITUDE_CONVENTIONS, ImpossibleAmplitude, load_library, load_species, slug_of
 from upwash.species.allometry import RULES, nudds_half_angle_deg, pennycuick_frequency_hz
@@ -156,7 +159,7 @@ class TestEverySpecies:
                 try:
                     bird = species.bird(convention, **{name: end})
                 except ImpossibleAmplitude as error:
-                    assert convention == "strouhal"
+                    assert convention != "stroke-angle"
                     assert error.amplitude_m > error.wingspan_m
                 else:
                     assert getattr(bird, name, end) == end
@@ -236,6 +239,42 @@ class TestAmplitude:
     def test_the_strouhal_convention_samples_no_stroke_angle(self):
         assert set(IBIS.ranges()) - set(IBIS.ranges("strouhal")) == {"stroke_half_angle_deg"}
 
+    @pytest.mark.parametrize("coefficient", [1.0, 0.2])
+    def test_of_drag_makes_the_thrust_that_overcomes_it(self, coefficient):
+        area = IBIS.quantities["wing_area"].value
+        for speed in (9.0, 12.0):
+            bird = IBIS.bird("drag", speed_m_s=speed, body_drag_coefficient=coefficient)
+            drag = DragPolar(area, coefficient).drag_n(1.3, 0.6, speed, 1.29, 9.8)
+            assert bird.drag_n == pytest.approx(drag, rel=1e-13)
+
+    def test_of_drag_makes_power_against_speed_a_valley(self):
+        def power(speed):
+            bird = IBIS.bird("drag", speed_m_s=speed, body_drag_coefficient=0.2)
+            return COST_FUNCTIONS["aerodynamic_power"].value(bird, bird.weight_n, bird.drag_n)
+
+        slow, best, fast = power(7.0), power(11.6), power(20.0)
+        assert best < power(11.4)
+        assert best < power(11.8)
+        assert slow > 1.2 * best
+        assert fast > 1.5 * best
+
+    def test_of_drag_takes_and_samples_the_wings_area(self):
+        assert IBIS.ranges("drag")["wing_area_m2"] == (0.15, 0.235)
+        assert "stroke_half_angle_deg" not in IBIS.ranges("drag")
+        assert IBIS.bird("drag", wing_area_m2=0.22).amplitude_m != IBIS.bird("drag").amplitude_m
+
+    def test_of_drag_needs_a_wing_area(self):
+        quantities = {name: of for name, of in IBIS.quantities.items() if name != "wing_area"}
+        without = replace(IBIS, quantities=quantities)
+        with pytest.raises(UpwashError, match="add .wing_area. to the species file, or set wing_area_m2"):
+            without.bird("drag")
+        assert without.bird("drag", wing_area_m2=0.18) == IBIS.bird("drag")
+
+    def test_altitude_stands_for_the_density_there(self):
+        high = IBIS.bird(altitude_m=5000.0)
+        assert high == IBIS.bird(density_kg_m3=density_kg_m3(5000.0))
+        assert IBIS.bird(altitude_m=0.0).density_kg_m3 == pytest.approx(1.225, abs=1e-5)
+
 
 class TestOverrides:
     @pytest.mark.parametrize(
@@ -252,7 +291,13 @@ class TestOverrides:
             ({"stroke_half_angle_deg": 91.0}, "at most 90"),
             ({"stroke_half_angle_deg": 30.0, "amplitude_m": 1.0}, "leave one of them out"),
             ({"amplitude": "strouhal", "stroke_half_angle_deg": 30.0}, "leave one of them out"),
-            ({"amplitude": "guess"}, 'expected "stroke-angle" or "strouhal"'),
+            ({"amplitude": "guess"}, 'expected "stroke-angle" or "strouhal" or "drag"'),
+            ({"body_drag_coefficient": 0.2}, "expected amplitude = 'drag'"),
+            ({"amplitude": "drag", "wing_area_m2": 0.2, "amplitude_m": 1.0}, "leave one of them out"),
+            ({"amplitude": "drag", "upstroke_span_ratio": 0.9}, "upstroke_span_ratio"),
+            ({"altitude_m": 0.0, "density_kg_m3": 1.2}, "leave one of them out"),
+            ({"altitude_m": 11001.0}, "at most 11000"),
+            ({"altitude_m": -1.0}, "not negative"),
             ({"amplitude_m": 1.21}, "at most the wingspan, 1.2"),
         ],
     )

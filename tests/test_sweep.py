@@ -346,3 +346,20 @@ n = 1
 )
 def test_every_key_is_found_on_its_line(path, line):
     assert line_of(path, key_lines(TOML)) == line
+
+
+class TestAirAndDrag:
+    def test_altitude_is_an_axis_and_gives_density_and_amplitude(self, jobs):
+        found = jobs(
+            IBIS + 'amplitude = "drag"\n[grid]\naltitude_m = [0, 3000]\nbody_drag_coefficient = [0.2, 1]\n'
+        )
+        ibis = load_species("northern-bald-ibis")
+        assert [job.bird for job in found] == [
+            ibis.bird("drag", altitude_m=altitude, body_drag_coefficient=coefficient)
+            for altitude in (0.0, 3000.0)
+            for coefficient in (0.2, 1.0)
+        ]
+
+    def test_a_drag_that_no_stroke_overcomes_is_a_job_and_no_mistake(self, jobs):
+        (job,) = jobs('species = "dunlin"\namplitude = "drag"\n[fixed]\nbody_drag_coefficient = 1\n')
+        assert job.inputs()["leader_amplitude_m"] > 2 * job.inputs()["semispan_m"]

@@ -39,9 +39,14 @@ def profile_power_w(bird: Bird, thrust_n: float) -> float:
     return thrust_n * bird.speed_m_s
 
 
+def body_area_m2(mass_kg: float) -> float:
+    """Frontal area S_b of the body of a bird of a mass in kg, in m²."""
+    return BODY_AREA_M2 * mass_kg**BODY_AREA_EXPONENT
+
+
 def parasite_power_w(bird: Bird) -> float:
     """Power against the drag of the body, in W (parasite_power)."""
-    area = BODY_AREA_M2 * bird.mass_kg**BODY_AREA_EXPONENT
+    area = body_area_m2(bird.mass_kg)
     return 0.5 * bird.density_kg_m3 * bird.speed_m_s**3 * area * BODY_DRAG_COEFFICIENT
 
 

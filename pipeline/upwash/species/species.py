@@ -1,4 +1,4 @@
-"""A species: its sourced quantities, two conventions for its amplitude, and the bird for the physics."""
+"""A species: its sourced quantities, three conventions for its amplitude, and the bird for the physics."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from upwash.aero.atmosphere import CEILING_M, density_kg_m3
 from upwash.aero.bird import Bird
-from upwash.aero.checked import rules_of
+from upwash.aero.checked import at_most, not_negative, rules_of
+from upwash.aero.drag import DragPolar
+from upwash.aero.power import BODY_DRAG_COEFFICIENT
 from upwash.errors import UpwashError
 from upwash.species.file import did_you_mean, printable
 from upwash.species.groups import GROUPS, groups_of, outside
@@ -16,6 +19,7 @@ from upwash.species.quantity import HALF_ANGLE_DEG, Formation, Quantity
 AMPLITUDE_CONVENTIONS = {
     "stroke-angle": "h = 2 b sin(stroke half-angle of the species' own file)",
     "strouhal": "h at the northern bald ibis's Strouhal number f h/U",
+    "drag": "h whose thrust equals the drag of body and wing profile; take objective aerodynamic_power with it",
 }
 
 # Inputs of a bird that come straight from a species' quantities: input -> quantity.
@@ -28,12 +32,28 @@ _INPUT_QUANTITIES = {
     "gravity_m_s2": "gravity",
     "upstroke_span_ratio": "upstroke_span_ratio",
     "stroke_half_angle_deg": "stroke_half_angle",
+    "wing_area_m2": "wing_area",
 }
-# A bird's other inputs, which no species file states.
-_OTHER_INPUTS = ("amplitude_m", "circulation_ratio")
+# Inputs that set nothing but the amplitude -> the convention under which they do.
+_OF_CONVENTION = {
+    "stroke_half_angle_deg": "stroke-angle",
+    "wing_area_m2": "drag",
+    "body_drag_coefficient": "drag",
+}
 
-INPUT_RULES = {**rules_of(Bird), "stroke_half_angle_deg": HALF_ANGLE_DEG}
+ALTITUDE_M = not_negative & at_most(CEILING_M, "the standard atmosphere is told up to the tropopause")
+"""What an altitude must be, in m above the sea."""
+
+INPUT_RULES = {
+    **rules_of(Bird),
+    "stroke_half_angle_deg": HALF_ANGLE_DEG,
+    **rules_of(DragPolar),
+    "altitude_m": ALTITUDE_M,
+}
 """What each input that may be set must be."""
+
+OF_THE_AMPLITUDE = tuple(_OF_CONVENTION)
+"""Inputs that set nothing but the amplitude."""
 
 
 class ImpossibleAmplitude(UpwashError):
@@ -94,8 +114,13 @@ class Species:
     reference_wavelength_m: float
 
     def inputs(self) -> dict[str, float]:
-        """Return the bird's inputs that the file fixes, in SI units, and ``stroke_half_angle_deg``."""
-        return {name: _input_value(name, self.quantities[of].value) for name, of in _INPUT_QUANTITIES.items()}
+        """Return the bird's inputs that the file fixes, in SI units, and what conventions for its amplitude need."""
+        stated = {
+            name: _input_value(name, self.quantities[of].value)
+            for name, of in _INPUT_QUANTITIES.items()
+            if of in self.quantities
+        }
+        return stated | {"body_drag_coefficient": BODY_DRAG_COEFFICIENT}
 
     def ranges(self, amplitude: str = "stroke-angle") -> dict[str, tuple[float, float]]:
         """Return the range (low, high) of each input that matters under an amplitude convention.
@@ -105,7 +130,7 @@ class Species:
         _check_convention(amplitude)
         ranges = {}
         for name, of in _INPUT_QUANTITIES.items():
-            if name != "stroke_half_angle_deg" or amplitude == "stroke-angle":
+            if of in self.quantities and _OF_CONVENTION.get(name, amplitude) == amplitude:
                 ends = (
                     _input_value(name, end) for end in (self.quantities[of].low, self.quantities[of].high)
                 )
@@ -121,6 +146,7 @@ class Species:
         amplitude : str
             ``stroke-angle``: h = 2 b sin(half-angle), from the species' own file.
             ``strouhal``: h/λ = f h/U as for the northern bald ibis.
+            ``drag``: the thrust is the drag of body and wing profile.
         **overrides : float
             Inputs that differ from the species' own, as for `bird`.
 
@@ -147,8 +173,10 @@ class Species:
         amplitude : str
             How the amplitude is chosen, see `amplitude_m`.
         **overrides : float
-            Bird's fields that differ from the species' own, in SI units, and ``stroke_half_angle_deg``. The
-            amplitude follows from the inputs as overridden, unless ``amplitude_m`` itself is given.
+            Bird's fields that differ from the species' own, in SI units; ``stroke_half_angle_deg``,
+            ``wing_area_m2`` and ``body_drag_coefficient``, which some conventions take the amplitude from; and
+            ``altitude_m``, which stands for the density there. The amplitude follows from the inputs as
+            overridden, unless ``amplitude_m`` itself is given.
 
         Returns
         -------
@@ -187,8 +215,8 @@ class Species:
         _check_convention(amplitude)
         inputs = self.inputs()
         for name, value in overrides.items():
-            if name not in inputs and name not in _OTHER_INPUTS:
-                remedy = did_you_mean(name, [*self.inputs(), *_OTHER_INPUTS])
+            if name not in INPUT_RULES:
+                remedy = did_you_mean(name, INPUT_RULES)
                 raise UpwashError(
                     f"{self.slug}: expected an input of a bird, found {printable(name)}; {remedy}", field=name
                 )
@@ -197,23 +225,13 @@ class Species:
                 message = f"{self.slug}: {name}: expected {expected}, found {found}; correct it"
                 raise UpwashError(message, field=name)
             inputs[name] = float(value)
-        half_angle = inputs.pop("stroke_half_angle_deg")
-        if "stroke_half_angle_deg" in overrides and (
-            "amplitude_m" in overrides or amplitude != "stroke-angle"
-        ):
-            raise UpwashError(
-                f"{self.slug}: stroke_half_angle_deg: expected amplitude = 'stroke-angle' and no amplitude_m "
-                "beside it, since it sets the amplitude; leave one of them out",
-                field="stroke_half_angle_deg",
-            )
+        self._refuse_contradictions(amplitude, overrides)
+        if "altitude_m" in inputs:
+            inputs["density_kg_m3"] = density_kg_m3(inputs.pop("altitude_m"))
+        apart = {name: inputs.pop(name) for name in _OF_CONVENTION if name in inputs}
         wingspan = 2.0 * inputs["semispan_m"]
-        if amplitude == "stroke-angle":
-            by_convention = wingspan * math.sin(math.radians(half_angle))
-        else:
-            # As a ratio of wavelengths, so that the ibis gets its own amplitude back to the last digit.
-            wavelength = inputs["speed_m_s"] * inputs["period_s"]
-            by_convention = self.reference_amplitude_m * (wavelength / self.reference_wavelength_m)
-        inputs.setdefault("amplitude_m", by_convention)
+        if "amplitude_m" not in inputs:
+            inputs["amplitude_m"] = self._by_convention(amplitude, inputs, apart)
         if inputs["amplitude_m"] > wingspan:
             self._refuse_implausible(
                 {name: value for name, value in inputs.items() if name != "amplitude_m"}, overrides
@@ -227,6 +245,48 @@ class Species:
             )
         self._refuse_implausible(inputs, overrides)
         return inputs
+
+    def _refuse_contradictions(self, amplitude: str, overrides: Mapping[str, float]) -> None:
+        """Complain of an input that would have no say, as another was given that decides."""
+        for name, convention in _OF_CONVENTION.items():
+            if name in overrides and ("amplitude_m" in overrides or amplitude != convention):
+                raise UpwashError(
+                    f"{self.slug}: {name}: expected amplitude = {convention!r} and no amplitude_m "
+                    "beside it, since it sets the amplitude; leave one of them out",
+                    field=name,
+                )
+        if {"altitude_m", "density_kg_m3"} <= set(overrides):
+            raise UpwashError(
+                f"{self.slug}: altitude_m: expected no density_kg_m3 beside it, since it stands for the density "
+                "there; leave one of them out",
+                field="altitude_m",
+            )
+
+    def _by_convention(
+        self, amplitude: str, inputs: Mapping[str, float], apart: Mapping[str, float]
+    ) -> float:
+        """Return the amplitude that a convention gives to a bird of some inputs, and of those that set it alone."""
+        if amplitude == "stroke-angle":
+            return 2.0 * inputs["semispan_m"] * math.sin(math.radians(apart["stroke_half_angle_deg"]))
+        if amplitude == "strouhal":
+            # As a ratio of wavelengths, so that the ibis gets its own amplitude back to the last digit.
+            wavelength = inputs["speed_m_s"] * inputs["period_s"]
+            return self.reference_amplitude_m * (wavelength / self.reference_wavelength_m)
+        if "wing_area_m2" not in apart:
+            raise UpwashError(
+                f"{self.slug}: wing_area: expected one, as amplitude = 'drag' takes the drag of the wing's profile "
+                "from it, found none; add [wing_area] to the species file, or set wing_area_m2",
+                field="wing_area_m2",
+            )
+        polar = DragPolar(apart["wing_area_m2"], apart["body_drag_coefficient"])
+        own = ("mass_kg", "semispan_m", "speed_m_s", "density_kg_m3", "gravity_m_s2")
+        drag = polar.drag_n(*(inputs[name] for name in own))
+        # Thrust is proportional to amplitude.
+        try:
+            some = Bird(**inputs, amplitude_m=inputs["semispan_m"])
+        except ValueError as error:
+            raise UpwashError(f"{self.slug}: {error}", field=getattr(error, "name", "")) from error
+        return inputs["semispan_m"] * drag / some.drag_n
 
     def _refuse_implausible(self, inputs: Mapping[str, float], overrides: Mapping[str, float]) -> None:
         """Complain of inputs that were set and with which it is no bird; its file was judged when it was read."""

@@ -17,10 +17,9 @@ from upwash.jobs.job import BUILT_IN_SOLVER, Job
 from upwash.jobs.kind import Kind
 from upwash.optimum.settings import SearchSettings
 from upwash.species import ImpossibleAmplitude, Species
-from upwash.sweep.choices import MODEL, OF_THE_BIRD, PARTS
+from upwash.species.species import OF_THE_AMPLITUDE
+from upwash.sweep.choices import MODEL, OF_THE_BIRD, PARTS, STROKE_ANGLE
 from upwash.sweep.values import Setting, unit_sample
-
-STROKE_ANGLE = "stroke_half_angle_deg"
 
 # Where a job's inputs are named otherwise than in a sweep file.
 COLUMN = {"amplitude": "amplitude_convention", **BIRD_COLUMNS}
@@ -208,6 +207,12 @@ def _bird(species: Species, convention: str, point: Mapping[str, Setting]) -> Bi
         If the values make no bird for another reason.
     """
     own = {**species.inputs(), "circulation_ratio": 1.0}
+    for name, setting in point.items():
+        if setting.relative and name in OF_THE_AMPLITUDE and name not in own:
+            raise UpwashError(
+                f"{species.slug}: {name}: expected the species' own to be scaled, found none; state it",
+                field=name,
+            )
     overrides = {
         name: setting.value * (own[name] if setting.relative else 1.0)
         for name, setting in point.items()
@@ -219,9 +224,10 @@ def _bird(species: Species, convention: str, point: Mapping[str, Setting]) -> Bi
             overrides["amplitude_m"] = amplitude.value * _amplitude_m(species, convention, overrides)
         return species.bird(convention, **overrides)
     except ImpossibleAmplitude as error:
-        inputs = {**own, **overrides, "amplitude_m": error.amplitude_m}
         # All but the amplitude must make a bird.
-        species.bird(convention, **{**overrides, "amplitude_m": error.wingspan_m})
+        of_the_bird = {name: value for name, value in overrides.items() if name not in OF_THE_AMPLITUDE}
+        widest = species.bird(convention, **{**of_the_bird, "amplitude_m": error.wingspan_m})
+        inputs = {**vars(widest), "amplitude_m": error.amplitude_m}
         return bird_of({entry.name: inputs[entry.name] for entry in fields(Bird)})
 
 

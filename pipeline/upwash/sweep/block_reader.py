@@ -16,7 +16,7 @@ from upwash.jobs.kinds import KINDS
 from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
 from upwash.species.file import did_you_mean
 from upwash.sweep.block import Axis, Block, Condition, Sample
-from upwash.sweep.choices import CHOICES, MODEL, PARAMETERS, UNSCALED, WORDED, rule_of
+from upwash.sweep.choices import CHOICES, MODEL, NOT_TOLD, PARAMETERS, UNSCALED, WORDED, rule_of
 from upwash.sweep.entry import Entry
 from upwash.sweep.values import MAX_POINTS, SAMPLERS, Setting, is_number, sampling_range, settings
 
@@ -137,7 +137,8 @@ class BlockReader:
 
     def exclusion(self, entry: Entry) -> dict[str, Condition]:
         """Return the conditions that a job must all meet to be left out."""
-        names = ("species", *DEFAULTS, *self.kind.choices, *PARAMETERS)
+        told = (name for name in PARAMETERS if name not in NOT_TOLD)
+        names = ("species", *DEFAULTS, *self.kind.choices, *told)
         words = [name for name, rule in self.kind.choices.items() if not isinstance(rule, Rule)]
         texts = {*TEXT_INPUTS, *WORDED, *words}
         conditions = {name: _condition(below, name in texts) for name, below in entry.table(names).items()}

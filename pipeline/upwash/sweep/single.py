@@ -16,8 +16,9 @@ from upwash.jobs.job import BUILT_IN_SOLVER, Job
 from upwash.jobs.kind import Kind
 from upwash.species import load_species
 from upwash.species.file import did_you_mean, printable
-from upwash.sweep.block import STROKE_ANGLE, Block, Sample
-from upwash.sweep.choices import CHOICES, MODEL, OF_THE_BIRD, PARAMETERS
+from upwash.species.species import OF_THE_AMPLITUDE
+from upwash.sweep.block import Block, Sample
+from upwash.sweep.choices import ALTITUDE, CHOICES, MODEL, OF_THE_BIRD, PARAMETERS
 from upwash.sweep.values import Setting
 
 
@@ -79,11 +80,10 @@ def jobs_within_ranges(count: int, points_seed: int, **asked: Any) -> dict[str, 
         kind, species, settings, amplitude, asked.pop("model", None), asked.pop("parts", None), asked
     )
     is_given = "amplitude_m" in block.fixed
-    free = tuple(
-        name
-        for name in block.species[0].ranges(amplitude)
-        if name not in block.fixed and not (is_given and name == STROKE_ANGLE)
-    )
+    settled = {*block.fixed, *(OF_THE_AMPLITUDE if is_given else ())}
+    if ALTITUDE in block.fixed:
+        settled.add("density_kg_m3")
+    free = tuple(name for name in block.species[0].ranges(amplitude) if name not in settled)
     fixed = {name: setting for name, setting in block.fixed.items() if name != "span_law"}
     jobs = {}
     for law in ("stroke", "tip"):

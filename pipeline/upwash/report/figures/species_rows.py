@@ -28,7 +28,7 @@ from upwash.report.words import common_name, least, percent
 from upwash.study.comparison import compare, compare_objectives
 from upwash.study.rows import objectives_of
 
-CONVENTIONS = {"stroke-angle": "own stroke angle", "strouhal": "ibis's Strouhal number"}
+CONVENTIONS = {"stroke-angle": "own stroke angle", "strouhal": "ibis's Strouhal number", "drag": "drag polar"}
 """Amplitude conventions in words; the first is drawn filled, any other hollow."""
 
 ROW_IN = 0.21
