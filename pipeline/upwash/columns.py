@@ -13,8 +13,11 @@ from functools import cache, partial
 from math import inf
 from typing import Any
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 """Raised by hand when a column is added, removed or given another meaning."""
+
+OLDEST_READ = 2
+"""The oldest version of the schema whose files are read; columns that came later are absent in them."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ PLACE = Agreement(relative=1e-6, absolute=1e-6)
 VALUE = Agreement(relative=1e-7, absolute=1e-9)
 BOUND = Agreement(relative=1e-4, absolute=1e-4)
 MULTIPLIER = Agreement(relative=1e-4, absolute=1e-4)
+RISE = Agreement(relative=1e-3, absolute=1e-3)
 RESIDUAL = Agreement(absolute=2e-9)
 MEASURED = Agreement(compared=False)
 # An id follows from the inputs, which are compared themselves, and the model's version, which may differ.
@@ -134,6 +138,8 @@ class Column:
         How it is checked in a flock's rows, if otherwise: of a bird's optima the V optimum alone is kept there.
     listed : tuple of str
         The lists that it is shown in, of `JOBS` and `OPTIMA`.
+    since : int
+        The version of the schema with which it came.
     words : dict
         What is kept for a value that is a word -> the word, by which sweeps, commands and JSON know it.
     """
@@ -153,6 +159,7 @@ class Column:
     percent: bool = False
     verified_in_flock: str = ""
     listed: tuple[str, ...] = ()
+    since: int = OLDEST_READ
     words: Mapping[float | None, str] = field(default_factory=dict, hash=False)
 
     def told(self, kept: Any) -> Any:
@@ -238,6 +245,10 @@ _truth = partial(_label, type=TRUTH, verified=RANKING)
 _evidence = partial(
     Column, unit="1", agreement=MEASURED, belongs=OPTIMUM, verified=EVIDENCE, absent=UNREPORTED
 )
+_rise = partial(_evidence, agreement=RISE, absent=SOMETIMES, since=3)
+_slope = partial(_rise, unit="1/m", least=-1e-6)
+_curvature = partial(_rise, unit="1/m2", least=-1e-6)
+_restores = partial(_evidence, unit="", type=TRUTH, agreement=EXACT, since=3)
 _lies_on = partial(_evidence, unit="", type=TEXT, agreement=EXACT)
 _bound = partial(Column, unit=_COST, agreement=BOUND, belongs=PROOF, verified=PROVED, absent=SOMETIMES)
 _gap = partial(_bound, unit="1")
@@ -412,6 +423,55 @@ COLUMNS = (
     _evidence("multiplier_lift", description="multiplier of the lift balance, scaled", agreement=MULTIPLIER),
     _evidence(
         "multiplier_thrust", description="multiplier of the thrust balance, scaled", agreement=MULTIPLIER
+    ),
+    _slope("slope_ahead_per_m", description="slope of the least cost, over that alone, held ahead"),
+    _slope("slope_behind_per_m", description="slope of the least cost, over that alone, held behind"),
+    _slope("slope_inward_per_m", description="slope of the least cost, over that alone, held further in"),
+    _slope("slope_outward_per_m", description="slope of the least cost, over that alone, held further out"),
+    _slope("slope_below_per_m", description="slope of the least cost, over that alone, held lower"),
+    _slope("slope_above_per_m", description="slope of the least cost, over that alone, held higher"),
+    _slope(
+        "slope_earlier",
+        unit="1",
+        description="slope of the least cost, over that alone, held earlier in phase",
+    ),
+    _slope(
+        "slope_later", unit="1", description="slope of the least cost, over that alone, held later in phase"
+    ),
+    _curvature(
+        "curvature_ahead_per_m2", description="curvature of the least cost, over that alone, held ahead"
+    ),
+    _curvature(
+        "curvature_behind_per_m2", description="curvature of the least cost, over that alone, held behind"
+    ),
+    _curvature(
+        "curvature_inward_per_m2", description="curvature of the least cost, over that alone, held further in"
+    ),
+    _curvature(
+        "curvature_outward_per_m2",
+        description="curvature of the least cost, over that alone, held further out",
+    ),
+    _curvature(
+        "curvature_below_per_m2", description="curvature of the least cost, over that alone, held lower"
+    ),
+    _curvature(
+        "curvature_above_per_m2", description="curvature of the least cost, over that alone, held higher"
+    ),
+    _curvature(
+        "curvature_earlier",
+        unit="1",
+        description="curvature of the least cost, over that alone, held earlier in phase",
+    ),
+    _curvature(
+        "curvature_later",
+        unit="1",
+        description="curvature of the least cost, over that alone, held later in phase",
+    ),
+    _restores(
+        "restores_x", description="whether its thrust, as it flaps, rises behind its place and falls ahead"
+    ),
+    _restores(
+        "restores_z", description="whether its lift, as it flaps, rises below its place and falls above"
     ),
     Column(
         "solve_time_s",

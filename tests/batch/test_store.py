@@ -25,7 +25,7 @@ from upwash.sweep import Job, read_sweep
 IDS = Path(__file__).parents[1] / "job_ids.json"
 
 # Schema version -> digest of the names, types and units of all columns.
-FORMS = {1: "a06206cb2947ec88", 2: "de3bf20536199c9e"}
+FORMS = {1: "a06206cb2947ec88", 2: "de3bf20536199c9e", 3: "6e18ceb75ce5baf3"}
 
 SCHEMAS = {
     "solutions": Pair.rows,
@@ -75,7 +75,7 @@ class TestSchema:
     @pytest.mark.parametrize(
         ("ending", "unit"),
         [("_kg", "kg"), ("_m", "m"), ("_m_s", "m/s"), ("_m_s2", "m/s2"), ("_kg_m3", "kg/m3")]
-        + [("_n", "N"), ("_w", "W"), ("_s", "s")],
+        + [("_n", "N"), ("_w", "W"), ("_s", "s"), ("_per_m", "1/m"), ("_per_m2", "1/m2")],
     )
     def test_a_name_ends_in_the_unit_of_its_column(self, ending, unit):
         longest = {c.name: max((e for e in ENDINGS if c.name.endswith(e)), key=len, default="") for c in ALL}
@@ -97,6 +97,27 @@ class TestSchema:
         assert metadata["code_version"].startswith("0.")
         assert json.loads(metadata["package_versions"])["pyarrow"] == pa.__version__
 
+    def test_a_file_of_an_older_schema_version_is_read_as_one_of_this(self, job_file):
+        table = pq.read_table(job_file)
+        later = [name for name in Pair.rows.names if of.column(name).since > of.OLDEST_READ]
+        older = table.drop_columns(later).replace_schema_metadata(
+            {**table.schema.metadata, b"schema_version": str(of.OLDEST_READ).encode()}
+        )
+        assert len(later) > 10
+        pq.write_table(older, job_file)
+        read = store.read_table(job_file, Pair.rows)
+        assert read.schema.equals(Pair.rows)
+        assert all(read.column(name).null_count == read.num_rows for name in later)
+        assert read.drop_columns(later).equals(older)
+        # What this version writes has them all.
+        pq.write_table(older.replace_schema_metadata(table.schema.metadata), job_file)
+        with pytest.raises(store.Damaged, match="not those of schema version"):
+            store.read_table(job_file, Pair.rows)
+        # And nothing older has fewer of the others.
+        pq.write_table(older.drop_columns(["cost"]), job_file)
+        with pytest.raises(store.Damaged):
+            store.read_table(job_file, Pair.rows)
+
     def test_a_file_of_another_schema_version_is_told_apart_from_a_damaged_one(self, job_file, monkeypatch):
         monkeypatch.setattr(of, "SCHEMA_VERSION", of.SCHEMA_VERSION + 1)
         other = pa.schema([*Pair.rows, pa.field("another", pa.string())])
@@ -105,7 +126,7 @@ class TestSchema:
 
 
 ALL = (*of.SUMMARY_COLUMNS, *of.FLOCK_COLUMNS)
-ENDINGS = ("_kg", "_m", "_m_s", "_m_s2", "_kg_m3", "_n", "_w", "_s")
+ENDINGS = ("_kg", "_m", "_m_s", "_m_s2", "_kg_m3", "_n", "_w", "_s", "_per_m", "_per_m2")
 
 
 class TestDamage:

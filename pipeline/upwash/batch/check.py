@@ -13,7 +13,7 @@ from upwash import columns as of
 from upwash.batch.folder import SUMMARY, ResultsFolder
 from upwash.batch.provenance import misstated
 from upwash.batch.row_checks import ASKED_FOR, BOUNDS, CONTENT, FORM, WHOLE
-from upwash.batch.store import Damaged, metadata_of, noticing, open_table
+from upwash.batch.store import Damaged, brought_up, metadata_of, noticing, open_table
 from upwash.errors import UpwashError
 from upwash.jobs.kind import Kind
 from upwash.jobs.verify import disproved
@@ -146,7 +146,7 @@ class _Reader:
                 for number in range(file.num_row_groups):
                     with noticing(path):
                         table = file.read_row_group(number, use_threads=False)
-                    yield table.replace_schema_metadata()
+                    yield brought_up(table, schema).replace_schema_metadata()
         except (Damaged, UpwashError) as error:
             self.checked.add(str(path), [("", str(error).removeprefix(f"{path}: "))])
 

@@ -46,16 +46,19 @@ def list_jobs(folder: ResultsFolder) -> list[Listed]:
 
 def inputs_in(folder: ResultsFolder, job_ids: set[str]) -> Iterator[of.Stored]:
     """Give the inputs of those of some jobs that have a result, from its first row; of some more than once."""
-    from upwash.batch.store import Damaged, open_table
+    from upwash.batch.store import Damaged, brought_up, open_table
+    from upwash.jobs.schema import schema_of
 
     asked = of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.FLOCK)
     schema = folder.kind().rows
     names = [name for name in of.names(asked) if name in schema.names]
+    asked_for = schema_of(column for column in asked if column.name in names)
     paths = [*(folder.job_file(job_id) for job_id in job_ids & folder.job_ids()), *table_files(folder)]
     for path in paths if job_ids else ():
         try:
             with open_table(path, schema) as file:
-                rows = file.read(columns=names, use_threads=False).to_pylist()
+                table = file.read(columns=names, use_threads=False)
+            rows = brought_up(table, asked_for).to_pylist()
         except (Damaged, FileNotFoundError):
             continue
         first = {row["job_id"]: row for row in reversed(rows) if row["job_id"] in job_ids}

@@ -11,7 +11,7 @@ from upwash import columns as of
 from upwash.batch.folder import SUMMARY, ResultsFolder
 from upwash.batch.index import table_files
 from upwash.batch.merging import one_result_a_job
-from upwash.batch.store import noticing, open_table
+from upwash.batch.store import brought_up, noticing, open_table
 from upwash.errors import UpwashError
 
 SHOWN = 5
@@ -56,9 +56,10 @@ def rows_of(folder: ResultsFolder, beginning: str) -> list[of.Stored]:
 
 def _read(path: Path, schema: pa.Schema, job_id: str) -> pa.Table:
     with noticing(path), open_table(path, schema):
-        return pq.read_table(
+        found = pq.read_table(
             path, filters=[("job_id", "=", job_id)], page_checksum_verification=True, use_threads=False
         )
+        return brought_up(found, schema)
 
 
 def _ids_in(path: Path) -> list[str]:

@@ -14,6 +14,7 @@ from upwash.batch.index import Known, known_of, note, table_files
 from upwash.batch.store import (
     Damaged,
     TableWriter,
+    brought_up,
     metadata_of,
     noticing,
     open_table,
@@ -85,5 +86,6 @@ def _keep_only(path: Path, kind: type[Kind], row_groups: list[int]) -> None:
     with open_table(path, kind.rows) as file, replacing(path) as unfinished:
         writer = TableWriter(unfinished, kind.rows)
         for number in row_groups:
-            writer.write(file.read_row_group(number, use_threads=False).replace_schema_metadata())
+            rows = brought_up(file.read_row_group(number, use_threads=False), kind.rows)
+            writer.write(rows.replace_schema_metadata())
         writer.close(metadata_of(file.schema_arrow))

@@ -25,6 +25,9 @@ EXAMINED = of.Agreement(relative=1e-6, absolute=1e-8)
 GAP_ROUNDING = 1e-6
 """Share of the tolerance by which rounding may make the gap of a proof that closed less."""
 
+RISES = of.Agreement(relative=5e-6, absolute=5e-7)
+"""The same of slopes and curvatures, which are quotients of differences."""
+
 BOUND_SLACK = 1e-9
 """How far beyond a bound a variable may lie, over the width between its bounds: rounding."""
 
@@ -69,7 +72,9 @@ def outcome(rows: Sequence[of.Stored]) -> Complaints:
                 yield "error", f"expected none in a solved row, found {row['error']!r}"
             has_none = row.get("rank", 0) is None and "optima_found" in row
             for column in of.COLUMNS if not has_none else ():
-                if row.get(column.name, "") is None and not _may_lack(row, column):
+                if row.get(column.name, "") is None and not (
+                    _may_lack(row, column) or _is_older(row, column)
+                ):
                     yield column.name, "expected a value in a solved row, found none"
                 if (
                     _leads(row)
@@ -92,6 +97,12 @@ def outcome(rows: Sequence[of.Stored]) -> Complaints:
                 yield "feasible", "expected a proof, or the lack of one, stated with it, found nothing"
             elif row["error"] != expected:
                 yield "error", f"expected {expected!r} by inputs and proof, found {row['error']!r}"
+
+
+def _is_older(row: of.Stored, column: of.Column) -> bool:
+    """Whether a row lacks a column since it was written before there was one: then it lacks all that came with it."""
+    came = (one.name for one in of.COLUMNS if one.since == column.since and one.verified == of.EVIDENCE)
+    return column.since > of.OLDEST_READ and all(row.get(name) is None for name in came)
 
 
 def _is_one_problem(row: of.Stored) -> bool:
@@ -157,11 +168,19 @@ def examined(rows: Sequence[of.Stored]) -> Complaints:
     """Each place is an optimum, and the evidence for it is what is found there."""
     for row, expected in zip(rows, evidence_of(rows), strict=True):
         stated = {name: value for name, value in expected.items() if _is_stated(row, name)}
-        yield from unlike(row, stated, EXAMINED, "at the place that is stored")
+        for agreement, is_rise in ((EXAMINED, False), (RISES, True)):
+            some = {
+                name: value
+                for name, value in stated.items()
+                if (of.column(name).agreement == of.RISE) == is_rise
+            }
+            yield from unlike(row, some, agreement, "at the place that is stored")
 
 
 def _is_stated(row: of.Stored, name: str) -> bool:
-    return row[name] is not None or row["solver"] == BUILT_IN_SOLVER
+    if row[name] is not None:
+        return True
+    return row["solver"] == BUILT_IN_SOLVER and not _is_older(row, of.column(name))
 
 
 def proofs(rows: Sequence[of.Stored]) -> Complaints:

@@ -57,6 +57,26 @@ def conformed(table: pa.Table, schema: pa.Schema) -> pa.Table:
     return pa.table(columns, schema=schema)
 
 
+def brought_up(table: pa.Table, schema: pa.Schema) -> pa.Table:
+    """Return a table with the columns of a schema that came after it was written, which are null there."""
+    later = [field for field in schema if field.name not in table.column_names and _is_later(field.name)]
+    if not later:
+        return table
+    names = [*schema.names, *(name for name in table.column_names if name not in schema.names)]
+    table = pa.table(
+        {
+            **{name: table.column(name) for name in table.column_names},
+            **{field.name: pa.nulls(table.num_rows, field.type) for field in later},
+        },
+        schema=pa.schema([*table.schema, *later], metadata=table.schema.metadata),
+    )
+    return table.select([name for name in names if name in table.column_names])
+
+
+def _is_later(name: str) -> bool:
+    return any(column.since > of.OLDEST_READ for column in of.COLUMNS if column.name == name)
+
+
 @cache
 def code_version() -> str:
     """Return Upwash's version and, in a checkout, the commit and whether files differ from it."""
@@ -253,6 +273,7 @@ def noticing(path: Path) -> Iterator[None]:
 def open_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pq.ParquetFile:
     """Open a Parquet file of one of our schemas, and maybe a solver's own columns.
 
+    A file of an older version may lack columns that came since: `brought_up` adds them to what is read of it.
     Reading from it verifies the checksum of every page.
 
     Parameters
@@ -276,17 +297,27 @@ def open_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pq.P
         file = pq.ParquetFile(source, page_checksum_verification=True)
         found = file.schema_arrow
         written_by = metadata_of(found).get("schema_version")
-        is_ours = written_by == str(of.SCHEMA_VERSION)
-        if is_ours and without_own(found).equals(without_own(schema), check_metadata=True):
+        is_ours, is_older = written_by == str(of.SCHEMA_VERSION), written_by in OLDER
+        expected = without_own(schema)
+        if is_older:
+            expected = pa.schema(
+                [field for field in expected if field.name in found.names or not _is_later(field.name)]
+            )
+        if (is_ours or is_older) and without_own(found).equals(expected, check_metadata=True):
             return file
-    if not is_ours:
-        expected = f"schema version {of.SCHEMA_VERSION}"
+    if not is_ours and not is_older:
         remedy = "take another results folder, or the version of Upwash that wrote it"
-        raise UpwashError(f"{path}: expected {expected}, found {written_by or 'none'}; {remedy}")
-    raise Damaged(f"{path}: its columns are not those of schema version {of.SCHEMA_VERSION}")
+        raise UpwashError(
+            f"{path}: expected schema version {of.SCHEMA_VERSION}, found {written_by or 'none'}; {remedy}"
+        )
+    raise Damaged(f"{path}: its columns are not those of schema version {written_by}")
+
+
+OLDER = tuple(str(version) for version in range(of.OLDEST_READ, of.SCHEMA_VERSION))
+"""Versions of the schema that are read, and brought up to this one."""
 
 
 def read_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pa.Table:
     """Read a whole table of one of our schemas; raises as `open_table` does."""
     with noticing(path), open_table(path, schema, data) as file:
-        return file.read(use_threads=False)
+        return brought_up(file.read(use_threads=False), schema)

@@ -14,7 +14,7 @@ starboard, by symmetry, and whether the follower gains by moving aside is told b
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from upwash.aero.compiled.lanes import HEIGHT, NODE
+from upwash.aero.compiled.lanes import HEIGHT, NODE, X, Y, Z
 from upwash.optimum.compiled.edges import edge_pull
 from upwash.optimum.compiled.pair_descent import FeltLanes, fill_hessian
 from upwash.optimum.compiled.problem import evaluate
@@ -30,6 +30,7 @@ from upwash.optimum.compiled.programme import new_balance
 from upwash.optimum.core_edge import BOTH, CoreEdge
 from upwash.optimum.edges import FILAMENTS, edge_distances
 from upwash.optimum.problem import PairProblem
+from upwash.optimum.steepness import Held, Vicinity, steepness
 from upwash.optimum.variables import SCALE, VARIABLE_COUNT, VARIABLES
 
 ON_EDGE = 1e-7
@@ -60,6 +61,10 @@ class Evidence:
     curvature : float or None
         Least curvature of the Lagrangian along the directions that balances, edges and the bounds pressed on
         leave free, per unit of `SCALE` squared; None if none is left.
+    vicinity : Vicinity
+        The smooth pieces that meet in it.
+    held : Held
+        What holds it there.
     """
 
     active_bounds: tuple[str, ...]
@@ -68,31 +73,8 @@ class Evidence:
     multiplier_thrust: float
     stationarity: float
     curvature: float | None
-
-
-@dataclass(frozen=True)
-class Vicinity:
-    """The smooth pieces that meet in a point, and what is asked of them.
-
-    Attributes
-    ----------
-    on_edge : (e,) ndarray of int
-        Numbers of the core edges that the point lies on.
-    normals : (e, 6) ndarray of float
-        Gradients of their distances.
-    slopes : callable
-        Sides, 1 inside and −1 outside for each of those edges -> gradient of the cost and Jacobian of the balances.
-    pull : callable
-        Edge and multipliers of the balances -> what the edge adds to the Lagrangian.
-    hessian : callable
-        Multipliers of the balances and of those edges -> Hessian of the Lagrangian, seen from inside of them.
-    """
-
-    on_edge: NDArray[np.int64]
-    normals: NDArray[np.float64]
-    slopes: Callable[[NDArray[np.float64]], tuple[NDArray[np.float64], NDArray[np.float64]]]
-    pull: Callable[[int, NDArray[np.float64]], float]
-    hessian: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+    vicinity: Vicinity
+    held: Held
 
 
 def gather_evidence(problem: PairProblem, felt: FeltLanes, point: NDArray[np.float64]) -> Evidence:
@@ -189,24 +171,43 @@ def weigh(
     hessian = vicinity.hessian(solution[:2].copy(), solution[2:edges])
     is_held = np.ones(columns.shape[1], dtype=bool)
     is_held[edges:] = solution[edges:] > PRESSED
-    _, singular, rows = np.linalg.svd(
-        np.concatenate([columns[:, is_held].T, np.eye(VARIABLE_COUNT)[list(fixed)]])
-    )
+    held = columns[:, is_held].T
+    _, singular, rows = np.linalg.svd(np.concatenate([held, np.eye(VARIABLE_COUNT)[list(fixed)]]))
     free = rows[np.sum(singular > 1e-9 * max(1.0, singular[0])) :]
     curvature = None
+    scaled = hessian * np.outer(SCALE, SCALE)
     if len(free):
-        scaled = hessian * np.outer(SCALE, SCALE)
         curvature = float(np.min(np.linalg.eigvalsh(free @ scaled @ free.T)))
-    names = [f"{name}_lower" for name, active in zip(VARIABLES, at_lower, strict=True) if active]
-    names += [f"{name}_upper" for name, active in zip(VARIABLES, at_upper, strict=True) if active]
+
     return Evidence(
-        active_bounds=tuple(names),
+        active_bounds=tuple(names_of(at_lower, "lower") + names_of(at_upper, "upper")),
         core_edges=tuple(int(edge) for edge in on_edge),
         multiplier_lift=float(solution[0]),
         multiplier_thrust=float(solution[1]),
         stationarity=float(max(left, violation)),
         curvature=curvature,
+        vicinity=vicinity,
+        held=Held(
+            held,
+            solution[is_held],
+            free,
+            scaled,
+            np.array([at_lower, at_upper]).T,
+            is_unique=independent == columns.shape[1],
+        ),
     )
+
+
+def names_of(active: NDArray[np.bool_], side: str) -> list[str]:
+    """Name the bounds of one side that a point lies on."""
+    return [f"{name}_{side}" for name, is_active in zip(VARIABLES, active, strict=True) if is_active]
+
+
+def _restores(vicinity: Vicinity, balance: int, axis: int, sign: float) -> bool:
+    """Whether a force has a slope of a sign along an axis, on both sides of the point, while the stroke is held."""
+    sides = np.sign(vicinity.normals[:, axis])
+    slopes = [vicinity.slopes(inside)[1][balance, axis] for inside in (sides, -sides)]
+    return all(sign * slope > 0.0 for slope in slopes)
 
 
 def _piecewise(vicinity: Vicinity, normals: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
@@ -250,9 +251,27 @@ class StatedEvidence:
     curvature: float | None
     multiplier_lift: float
     multiplier_thrust: float
+    slope_ahead_per_m: float | None
+    slope_behind_per_m: float | None
+    slope_inward_per_m: float | None
+    slope_outward_per_m: float | None
+    slope_below_per_m: float | None
+    slope_above_per_m: float | None
+    slope_earlier: float | None
+    slope_later: float | None
+    curvature_ahead_per_m2: float | None
+    curvature_behind_per_m2: float | None
+    curvature_inward_per_m2: float | None
+    curvature_outward_per_m2: float | None
+    curvature_below_per_m2: float | None
+    curvature_above_per_m2: float | None
+    curvature_earlier: float | None
+    curvature_later: float | None
+    restores_x: bool
+    restores_z: bool
 
     @classmethod
-    def of(cls, evidence: Evidence, edges: Iterable[CoreEdge]) -> StatedEvidence:
+    def of(cls, problem: PairProblem, evidence: Evidence, edges: Iterable[CoreEdge]) -> StatedEvidence:
         """State evidence, of which the core edges are named."""
         return cls(
             active_bounds=",".join(evidence.active_bounds),
@@ -261,13 +280,43 @@ class StatedEvidence:
             curvature=evidence.curvature,
             multiplier_lift=evidence.multiplier_lift,
             multiplier_thrust=evidence.multiplier_thrust,
+            **_rise_in_si(problem, evidence),
+            restores_x=_restores(evidence.vicinity, 1, X, 1.0),
+            restores_z=_restores(evidence.vicinity, 0, Z, -1.0),
         )
+
+
+SIDES = (("ahead", "behind"), ("inward", "outward"), ("below", "above"), ("earlier", "later"))
+"""To which sides x, y, z and the phase are less and more."""
+
+
+def _rise_in_si(problem: PairProblem, evidence: Evidence) -> dict[str, float | None]:
+    """Return how the cost, as a share of the lone bird's, rises by m and by wingbeat, by the columns of the results."""
+    rise = steepness(evidence.vicinity, evidence.held, (X, Y, Z, problem.phase_axis[0]))
+    b, found = problem.bird.semispan_m, dict[str, float | None]()
+    for axis, sides in enumerate(SIDES):
+        is_phase = axis == len(SIDES) - 1
+        variable, by_phase = problem.phase_axis if is_phase else (axis, 1.0)
+        unit = by_phase if is_phase else 1.0 / b
+        is_free = problem.distance_is_free and not is_phase and variable == X
+        for number, side in enumerate(sides if unit > 0.0 else reversed(sides)):
+            # Beyond a plane of symmetry it is as before it.
+            is_end = np.isinf(rise.slope[axis, number])
+            told = 1 - number if is_end and problem.mirrors(variable, number) else number
+            slope, curvature = rise.slope[axis, told], rise.curvature[axis, told]
+            # Where the phase makes up for any distance, none costs anything.
+            slope = 0.0 if is_free else slope / SCALE[variable] * abs(unit)
+            curvature = 0.0 if is_free else curvature / SCALE[variable] ** 2 * unit**2
+            per_m, per_m2 = ("", "") if is_phase else ("_per_m", "_per_m2")
+            found[f"slope_{side}{per_m}"] = float(slope) if np.isfinite(slope) else None
+            found[f"curvature_{side}{per_m2}"] = float(curvature) if np.isfinite(curvature) else None
+    return found
 
 
 def stated(problem: PairProblem, felt: FeltLanes, evidence: Evidence) -> StatedEvidence:
     """State the evidence at a point; parameters as for `gather_evidence`."""
     edges = (name_edge(problem, *felt.representative[edge]) for edge in evidence.core_edges)
-    return StatedEvidence.of(evidence, edges)
+    return StatedEvidence.of(problem, evidence, edges)
 
 
 def name_edge(problem: PairProblem, lane: int, filament: int) -> CoreEdge:

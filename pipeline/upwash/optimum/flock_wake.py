@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
+from upwash.aero.compiled.lanes import PHASE
 from upwash.aero.interaction import phase_weights
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
@@ -63,6 +64,15 @@ class FlockProblem(PairProblem):
     phase_start: float = 0.5
     phase_end: float = 1.0
     is_symmetric: bool = False
+
+    @property
+    def is_mirrored_in_phase(self) -> bool:
+        """Whether the ends of the phase coordinate are planes of symmetry."""
+        return self.is_symmetric
+
+    def mirrors(self, variable: int, side: int) -> bool:
+        """Whether a bound, the lower (0) or the upper (1), is a plane of symmetry: birds further ahead stand aside."""
+        return super().mirrors(variable, side) and (variable == PHASE or len(self.places) == 1)
 
     def phase(self, coordinate: float) -> float:
         """Phase in [0, 1) at a phase coordinate; in a symmetric problem the lesser of the two equal ones."""

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
-from upwash.aero.compiled.lanes import SLIDING, STEADY
+from upwash.aero.compiled.lanes import PHASE, SLIDING, STEADY, Y
 from upwash.aero.interaction import phase_piece, state_circulation_ratio
 from upwash.aero.lanes import wake_lanes
 from upwash.aero.pose import Pose, Stroke
@@ -66,6 +66,7 @@ class PairProblem:
     piece: int = 1
 
     variables: ClassVar[tuple[Variable, ...]] = TABLE
+    distance_is_free: ClassVar[bool] = False
 
     lanes: NDArray[np.float64] = field(init=False, repr=False, compare=False)
     first_lanes: NDArray[np.int64] = field(init=False, repr=False, compare=False)
@@ -113,15 +114,31 @@ class PairProblem:
 
     def phase(self, coordinate: float) -> float:
         """Phase κ in [0, 1) at a phase coordinate; with two stroke states the lesser of the two equal ones."""
-        if self.model.stroke_states == 2 and self.piece == 1:
+        if self.is_mirrored_in_phase:
             return 0.5 - coordinate
         return (self.piece / self.model.stroke_states + coordinate) % 1.0
 
     def coordinate(self, phase: float) -> float:
         """Phase coordinate of a phase κ in [0, 1); outside 0 to `phase_span` if the phase is not in this piece."""
-        if self.model.stroke_states == 2 and self.piece == 1:
+        if self.is_mirrored_in_phase:
             return 0.5 - phase
         return least_turn(phase - self.piece / self.model.stroke_states)
+
+    @property
+    def is_mirrored_in_phase(self) -> bool:
+        """Whether the ends of the phase coordinate are planes of symmetry."""
+        return self.model.stroke_states == 2 and self.piece == 1
+
+    @property
+    def phase_axis(self) -> tuple[int, float]:
+        """The variable of the phase, and by how much it changes with the phase, all else but it being held."""
+        return PHASE, -1.0 if self.is_mirrored_in_phase else 1.0
+
+    def mirrors(self, variable: int, side: int) -> bool:
+        """Whether a bound, the lower (0) or the upper (1), is a plane of symmetry: straight behind, or of the phase."""
+        if variable == PHASE:
+            return self.is_mirrored_in_phase
+        return variable == Y and side == 0 and self.bounds[Y, 0] == 0.0
 
     def wake(self) -> Wake:
         """Vortex rings that the follower feels, in semispans; their states are the rows of `phase_ramp`."""

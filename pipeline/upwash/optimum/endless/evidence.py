@@ -10,7 +10,8 @@ from upwash.optimum.compiled.endless_descent import evaluate_endless, fill_endle
 from upwash.optimum.compiled.endless_edges import edge_distance, edge_pull
 from upwash.optimum.compiled.programme import new_balance
 from upwash.optimum.endless.problem import EndlessProblem
-from upwash.optimum.evidence import ON_EDGE, Evidence, Vicinity, weigh
+from upwash.optimum.evidence import ON_EDGE, Evidence, weigh
+from upwash.optimum.steepness import Vicinity
 from upwash.optimum.variables import VARIABLE_COUNT
 
 REACH = 1e-3

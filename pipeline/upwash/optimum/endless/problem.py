@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from upwash.aero.checked import REACH
 from upwash.aero.compiled.endless import LEAST_PHASE, EndlessWake
-from upwash.aero.compiled.lanes import ROWS
+from upwash.aero.compiled.lanes import ROWS, X
 from upwash.aero.endless import endless_wake_of
 from upwash.aero.pose import Pose, Stroke
 from upwash.optimum.compiled.endless_descent import FeltEndless
@@ -47,6 +47,7 @@ class EndlessProblem(PairProblem):
     """
 
     variables: ClassVar[tuple[Variable, ...]] = ENDLESS_TABLE
+    distance_is_free: ClassVar[bool] = True
 
     distance_m: float | None = None
 
@@ -78,6 +79,16 @@ class EndlessProblem(PairProblem):
     def is_symmetric(self) -> bool:
         """Whether (Φ, z) and (−Φ, −z) are alike: the follower is as long on its way up as down, and held as evenly."""
         return self.model.span_law == "stroke" and self.model.stroke_rule == "gauss"
+
+    @property
+    def is_mirrored_in_phase(self) -> bool:
+        """Whether the phase has ends that are planes of symmetry; it has none."""
+        return False
+
+    @property
+    def phase_axis(self) -> tuple[int, float]:
+        """The variable of the phase, and by how much it changes with the phase at the same distance."""
+        return X, -self.wavelength
 
     def spatial_phase(self, point: NDArray[np.float64]) -> float:
         """Spatial phase Φ of a point, in (−½, ½]."""

@@ -273,7 +273,7 @@ def _described(
 
 def endless_stated(problem: EndlessProblem, evidence: Evidence) -> StatedEvidence:
     """State the evidence at a point."""
-    return StatedEvidence.of(evidence, (_edge_name(problem, edge) for edge in evidence.core_edges))
+    return StatedEvidence.of(problem, evidence, (_edge_name(problem, edge) for edge in evidence.core_edges))
 
 
 def _edge_name(problem: EndlessProblem, edge: int) -> CoreEdge:
