@@ -13,7 +13,7 @@ import click
 import pytest
 from click.testing import CliRunner
 from report import studies
-from upwash import cli
+from upwash import Pose, cli
 from upwash.batch.check import Checked
 from upwash.batch.dry_run import Foresight
 from upwash.batch.runner import Tally
@@ -21,6 +21,7 @@ from upwash.errors import UpwashError
 from upwash.jobs.flock import Flock
 from upwash.jobs.run import Ended
 from upwash.literature.ledger import read_kept
+from upwash.place.least import least_over
 from upwash.place.survey import survey
 
 IBIS = "northern-bald-ibis"
@@ -43,6 +44,8 @@ CALLS = {
     # The ibis's own amplitude is that of either convention.
     "explore": ["mute-swan"],
     "evaluate": ["mute-swan", "seen.csv"],
+    # The ibis's own amplitude is that of either convention.
+    "map": ["--size", "4", "mute-swan"],
     "run": ["./sweep.toml"],
     "merge": ["merged", RESULTS],
     "status": [RESULTS],
@@ -73,6 +76,9 @@ VALUES = {
     "--observed": "birds.csv",
     "--jobs": "3",
     "--phase-unit": "rad",
+    "--over": "phase,stroke",
+    "--x-m": "1,2",
+    "--y-m": "0.5,1",
 }
 # A table of birds: one whose phase is not known, and one that pays with a stroke beyond the paper's bounds.
 SEEN_BIRDS = """time,bird,x_m,y_m,z_m,phase,off_cm
@@ -89,6 +95,8 @@ TOGETHER = {
     ("evaluate", "--wake"): (["--pairs"], ["--pairs", "--wake", "all-upstream"]),
     ("evaluate", "--heading"): (["--pairs"], ["--pairs", "--heading", "200"]),
     ("evaluate", "--output"): ([], ["--output", "told.parquet"]),
+    ("map", "--z-m"): (["--over", "phase,stroke"], ["--over", "phase,stroke", "--z-m", "0.1"]),
+    ("map", "--phase"): (["--plane", "xk"], ["--plane", "xk", "--phase", "0.1,0.4"]),
     ("run", "--backend"): ([], ["--backend", "dask", "--scheduler", "tcp://one:1"]),
     ("run", "--scheduler"): tuple(
         ["--backend", "dask", "--scheduler", address] for address in ("tcp://one:1", "tcp://two:2")
@@ -196,8 +204,22 @@ def see(template, tmp_path, monkeypatch):
         calls.append(("survey", threads))
         return survey(behind, birds, threads)
 
+    def least_of(behind, places, free, threads, told):
+        calls.append(("least_over", behind.bounds, places.tolist(), free, threads))
+        return least_over(behind, places, free)
+
+    def pair_of(bird, objective, *, model, search):
+        calls.append(("solve_pair", bird, objective, search))
+        return SimpleNamespace(v_optimum=SimpleNamespace(pose=Pose(1.5, 1.8, 0.0, bird.stroke, 0.4)))
+
+    def drawn(found, species, model, observed):
+        calls.append(("draw", species, model, None if observed is None else observed.tolist()))
+
     monkeypatch.setattr("upwash.study.observed.evaluation.survey", survey_of)
     stand_in("upwash.study.observed.evaluation.solve_pair", lambda *given: SimpleNamespace(v_optimum=None))
+    monkeypatch.setattr("upwash.study.saving_map.least_over", least_of)
+    monkeypatch.setattr("upwash.study.saving_map.solve_pair", pair_of)
+    monkeypatch.setattr("upwash.report.figures.saving_map.draw_saving_map", drawn)
     stand_in("upwash.jobs.run.solve", rows)
     stand_in("upwash.jobs.run.run_job", lambda job: Ended(job, rows(job)))
     stand_in("upwash.jobs.flock.flock_of", lambda job: job)

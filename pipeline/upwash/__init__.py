@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from upwash.optimum.settings import FlockRules, SearchSettings
     from upwash.species import load_species
     from upwash.study.observed.evaluation import evaluate
+    from upwash.study.saving_map import map_savings
 
 __version__ = "0.1.0"
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "WakeModel",
     "evaluate",
     "load_species",
+    "map_savings",
     "solve_flock",
     "solve_pair",
     "wake_force",
@@ -49,6 +51,7 @@ _HOME = {
     "WakeModel": "upwash.aero.wake",
     "evaluate": "upwash.study.observed.evaluation",
     "load_species": "upwash.species",
+    "map_savings": "upwash.study.saving_map",
     "solve_flock": "upwash.optimum.flock",
     "solve_pair": "upwash.optimum.pair",
     "wake_force": "upwash.aero.interaction",

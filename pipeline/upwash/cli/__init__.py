@@ -31,6 +31,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
     },
     "Birds that were seen": {
         "evaluate": ("observed", "Say what observed birds save where they fly."),
+        "map": ("saving_map", "Map what a follower saves at each place of a plane."),
     },
     "Sweeps over many": {
         "run": ("runs", "Solve every job of a sweep; finished jobs are kept."),

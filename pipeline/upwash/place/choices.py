@@ -10,3 +10,6 @@ COORDINATES = ("x", "y", "z", "phase")
 
 PLANES = {"xy": ("x", "y"), "xz": ("x", "z"), "yz": ("y", "z"), "xk": ("x", "phase")}
 """Planes of places -> the coordinates along their two sides."""
+
+STROKE = "stroke"
+"""How a follower flaps, which follows at each place from what balances there."""

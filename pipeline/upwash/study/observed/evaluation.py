@@ -24,7 +24,7 @@ from upwash.optimum.settings import SearchSettings
 from upwash.place.balance import Behind
 from upwash.place.survey import Birds, survey
 from upwash.species import Species
-from upwash.study.observed.pairs import LEADS, NEEDED, Pairs, pair_up
+from upwash.study.observed.pairs import LEADS, NEEDED, Pairs, one_ahead, pair_up
 from upwash.study.observed.table import PLACE, Reading, Rows, read_rows
 from upwash.study.told import EVALUATION, INVALID, LEADING, of_places, of_strokes
 
@@ -155,7 +155,7 @@ class Evaluation:
         pairs = (
             pair_up(frame, rows, asked.reading, asked.wake, asked.heading_deg)
             if asked.pairs
-            else _one_ahead(rows)
+            else one_ahead(rows)
         )
         told = {column.name: _nothing(column, len(frame)) for column in EVALUATION}
         told["leader"] = pairs.leader
@@ -389,18 +389,6 @@ def evaluate(
         finds_optimum=finds_optimum,
     )
     return Evaluation(asked, jobs)(table)
-
-
-def _one_ahead(rows: Rows) -> Pairs:
-    """Return the places of a table whose rows each have one bird ahead; those on its left are mirrored."""
-    x, y = rows.value("x_m"), rows.value("y_m")
-    rows.find(
-        "x_m: expected a distance behind the leader, found less than 0: this bird is ahead of it", x < 0.0
-    )
-    is_leaders = (x == 0.0) & (y == 0.0) & (rows.value("z_m") == 0.0)
-    rows.find("x_m, y_m, z_m: expected another place than the leader's own, found 0 for all", is_leaders)
-    places = np.column_stack([x, y, rows.value("z_m"), rows.value("phase")])
-    return Pairs(places, np.arange(len(x) + 1), np.full(len(x), None, dtype=object))
 
 
 def _nothing(column: Column, count: int) -> NDArray:

@@ -7,13 +7,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from upwash.batch.store import TABLE_OPTIONS, provenance, replacing
 from upwash.errors import UpwashError
 from upwash.jobs.schema import schema_of
+from upwash.study.observed.pairs import one_ahead
+from upwash.study.observed.table import Reading, read_rows
 from upwash.study.told import EVALUATION
 
 ROWS_AT_ONCE = 20_000
@@ -118,6 +122,39 @@ def _noticing(path: Path) -> Iterator[None]:
     except pa.ArrowException as error:
         found = " ".join(str(error).split())[:120]
         raise UpwashError(f"{path}: expected a Parquet file, found: {found}; save it again") from error
+
+
+def read_places(path: Path, semispan_m: float) -> NDArray[np.float64]:
+    """Read where birds fly, as dots of a map: of a table with a row for each bird, or of one that was evaluated.
+
+    Parameters
+    ----------
+    path : Path
+        The table.
+    semispan_m : float
+        Semispan of the birds, by which a wrong unit is noticed.
+
+    Returns
+    -------
+    (n, 4) ndarray of float
+        x, y, z in m and the phase of each bird whose row can be used; NaN for what is not known.
+
+    Raises
+    ------
+    UpwashError
+        If it is no such table, or no row can be used.
+    """
+    found = []
+    for piece in read_pieces(path):
+        rows = read_rows(piece, Reading(), semispan_m)
+        places = one_ahead(rows).places
+        found.append(places[rows.faults == ""])
+    places = np.concatenate(found)
+    if not len(places):
+        raise UpwashError(
+            f"{path}: expected x_m and y_m of birds behind their leaders, found no row with both"
+        )
+    return places
 
 
 class EvaluationWriter:

@@ -39,6 +39,18 @@ class Pairs:
     leader: NDArray[np.object_]
 
 
+def one_ahead(rows: Rows) -> Pairs:
+    """Return the places of a table whose rows each have one bird ahead; what is wrong with a row is added there."""
+    x, y = rows.value("x_m"), rows.value("y_m")
+    rows.find(
+        "x_m: expected a distance behind the leader, found less than 0: this bird is ahead of it", x < 0.0
+    )
+    is_leaders = (x == 0.0) & (y == 0.0) & (rows.value("z_m") == 0.0)
+    rows.find("x_m, y_m, z_m: expected another place than the leader's own, found 0 for all", is_leaders)
+    places = np.column_stack([x, y, rows.value("z_m"), rows.value("phase")])
+    return Pairs(places, np.arange(len(x) + 1), np.full(len(x), None, dtype=object))
+
+
 def pair_up(
     frame: pd.DataFrame,
     rows: Rows,
