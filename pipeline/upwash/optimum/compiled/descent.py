@@ -263,7 +263,7 @@ def descent(
         """Move the trial point by the least step that restores the linearised balances and active core edges."""
         room, at_bound = programme.room, programme.at_bound
         rows, right, normal, step = room[0:10], room[20], room[21, 0:VARIABLE_COUNT], room[22]
-        n = 2
+        n = residual.size
         for c in range(2):
             right[c] = -residual[c]
             for i in range(VARIABLE_COUNT):

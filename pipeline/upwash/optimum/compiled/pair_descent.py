@@ -37,7 +37,8 @@ class FeltLanes(NamedTuple):
 def _make_edges(felt):
     edges = np.empty(felt.group.shape)
     for filament in range(edges.shape[0]):
-        edges[filament, :] = felt.lanes[CORE2]
+        for lane in range(edges.shape[1]):
+            edges[filament, lane] = felt.lanes[CORE2, lane]
     return edges
 
 

@@ -6,6 +6,8 @@ two: the form of each state, in (x, y, z, half-span), becomes one in the variabl
 
 from __future__ import annotations
 
+import numpy as np
+
 from upwash.aero.compiled.lanes import HEIGHT, SPAN_FIXED, SPAN_FLEXED
 from upwash.kernel import kernel
 from upwash.optimum.compiled.enclosure import (
@@ -18,6 +20,9 @@ from upwash.optimum.compiled.enclosure import (
     VALUE,
     enclose_wake_force,
 )
+
+FLEXES = np.bool_(True)
+"""Every step has a span of its own.  A plain True would have what it is passed to compiled once more, for a literal."""
 
 
 @kernel(allocates=False)
@@ -60,7 +65,7 @@ def enclose_steps(low, high, widths, lanes, first_lanes, phase_end, forms):
             lanes,
             first,
             last,
-            True,
+            FLEXES,
             phase_end,
             own,
         )
