@@ -1,9 +1,14 @@
-"""The paper's ibis and its solutions, solved once for all tests of the optimum."""
+"""The paper's ibis and its solutions, solved once for all tests of the optimum; and the paper redone, once for all."""
 
+import fcntl
+import json
 import logging
 import math
+import os
+import subprocess
 
 import pytest
+from renew_reference import COMMAND
 from upwash import kernel, load_species, solve_pair
 from upwash.cli import streams
 
@@ -42,3 +47,22 @@ def ibis_power(ibis):
 def ibis_solution(request):
     """Each of the two solutions in turn."""
     return request.getfixturevalue(f"ibis_{request.param}")
+
+
+@pytest.fixture(scope="session")
+def paper_redone(tmp_path_factory):
+    """A folder in which `upwash reproduce` was run, as a process of its own, and what came of it; not to be changed.
+
+    It is run by the first that asks, and serves all processes of the tests.
+    """
+    root = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        root = root.parent
+    folder, told = root / "paper-redone", root / "paper-redone.json"
+    with (root / "paper-redone.lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not told.exists():
+            folder.mkdir()
+            done = subprocess.run(COMMAND, cwd=folder, capture_output=True, text=True)
+            told.write_text(json.dumps([done.returncode, done.stdout, done.stderr]), encoding="utf-8")
+    return folder, subprocess.CompletedProcess(COMMAND, *json.loads(told.read_text(encoding="utf-8")))

@@ -3,8 +3,11 @@
 import pickle
 import subprocess
 import sys
+from contextlib import chdir
 
 import pytest
+from click.testing import CliRunner
+from upwash.cli import main
 from upwash.errors import UpwashError
 from upwash.species import load_species
 from upwash.species.library import LIBRARY_FOLDER
@@ -76,26 +79,38 @@ def folder(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def told(folder):
-    """What each command told, all of them run side by side."""
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    started = {
-        mistake: subprocess.Popen([*COMMAND, *arguments], cwd=folder, **pipes)
-        for mistake, (arguments, _) in MISTAKES.items()
-    }
-    return {mistake: (*process.communicate(), process.returncode) for mistake, process in started.items()}
+    """Run the command in this process; return its output, what it said, and its exit code."""
+
+    def run(arguments):
+        with chdir(folder):
+            result = CliRunner().invoke(main, arguments, prog_name="upwash")
+        assert isinstance(result.exception, SystemExit), result.exception
+        return result.stdout, result.stderr, result.exit_code
+
+    return run
 
 
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_is_one_clear_line_and_exit_2(told, mistake):
-    output, said, code = told[mistake]
+    arguments, words = MISTAKES[mistake]
+    output, said, code = told(arguments)
     assert (output, code) == ("", 2), said
     assert said.startswith("Error: ") and said.count("\n") == 1, said
-    assert all(word in said for word in MISTAKES[mistake][1]), said
+    assert all(word in said for word in words), said
+
+
+@pytest.mark.parametrize("mistake", ["a missing field", "a sweep's syntax error"])
+def test_a_shell_sees_the_same(folder, told, mistake):
+    arguments, _ = MISTAKES[mistake]
+    done = subprocess.run([*COMMAND, *arguments], cwd=folder, capture_output=True, text=True)
+    assert (done.stdout, done.stderr, done.returncode) == told(arguments)
 
 
 def test_writes_nothing(told, folder):
+    for arguments, _ in MISTAKES.values():
+        told(arguments)
     assert {path.name: path.read_text(encoding="utf-8") for path in folder.iterdir()} == FILES
 
 

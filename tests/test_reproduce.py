@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-import subprocess
 from contextlib import chdir
 
 import pandas as pd
@@ -11,7 +10,7 @@ import pyarrow as pa
 import pytest
 from click.testing import CliRunner
 from renew_claims import kept
-from renew_reference import BLOCK, COMMAND, README, REFERENCE, as_csv
+from renew_reference import BLOCK, README, REFERENCE, as_csv
 from upwash.batch.store import TableWriter, metadata_of, read_table
 from upwash.cli import main
 from upwash.cli import reproduce as module
@@ -21,23 +20,22 @@ from upwash.report.claims import counts
 from upwash.report.figures import FIGURES
 
 
-@pytest.fixture(scope="module")
-def fresh(tmp_path_factory):
-    """A folder in which the command was run, as a process of its own, and what came of it."""
-    folder = tmp_path_factory.mktemp("fresh")
-    return folder, subprocess.run(COMMAND, cwd=folder, capture_output=True, text=True)
-
-
 @pytest.fixture
-def results(fresh, tmp_path):
+def results(paper_redone, tmp_path):
     """A copy of the fresh results: the folder of the pair, those of flocks and airspeeds beside it."""
-    return shutil.copytree(fresh[0] / "results", tmp_path / "results") / "reproduce"
+    return shutil.copytree(paper_redone[0] / "results", tmp_path / "results") / "reproduce"
 
 
 @pytest.fixture
 def undrawn(monkeypatch):
     """Leave the figures that are there already, to save time where they do not matter."""
     monkeypatch.setattr("upwash.report.page.draw_figures", lambda sources, folder: [])
+
+
+@pytest.fixture
+def unjudged(monkeypatch):
+    """Take the kept verdicts for those on results that are other than the kept ones, to save time as well."""
+    monkeypatch.setattr("upwash.paper.judge_claims", lambda evidence: kept())
 
 
 @pytest.fixture
@@ -73,18 +71,20 @@ def multiply(path, schema, column, factor):
 
 
 class TestFreshRun:
-    def test_agrees_with_what_is_kept(self, fresh):
-        folder, finished = fresh
+    def test_agrees_with_what_is_kept(self, paper_redone):
+        folder, finished = paper_redone
         assert finished.returncode == 0, finished.stderr
         assert f"agrees with {REFERENCE}" in finished.stderr
         names = {path.name for path in (folder / "results" / "reproduce").iterdir()}
         assert {"solutions.parquet", "summary.parquet"} <= names
 
-    def test_prints_exactly_what_the_readme_shows(self, fresh):
-        assert BLOCK.search(README.read_text(encoding="utf-8"))[0] == fresh[1].stdout
+    def test_prints_exactly_what_the_readme_shows(self, paper_redone):
+        assert BLOCK.search(README.read_text(encoding="utf-8"))[0] == paper_redone[1].stdout
 
-    def test_flocks_and_airspeeds_are_solved_beside_the_pair_and_the_claims_on_them_judged(self, fresh):
-        folder, finished = fresh
+    def test_flocks_and_airspeeds_are_solved_beside_the_pair_and_the_claims_on_them_judged(
+        self, paper_redone
+    ):
+        folder, finished = paper_redone
         assert sorted(path.name for path in (folder / "results").iterdir()) == [
             "group-speed",
             "limit",
@@ -98,8 +98,8 @@ class TestFreshRun:
             assert list(verdicts[column]) == list(kept()[column])
         assert f"claims.parquet: {counts(kept())}\n" in finished.stderr
 
-    def test_it_ends_with_a_page_that_shows_every_figure_of_the_paper(self, fresh):
-        folder, finished = fresh
+    def test_it_ends_with_a_page_that_shows_every_figure_of_the_paper(self, paper_redone):
+        folder, finished = paper_redone
         assert "results/reproduce/index.html: the page about all of it" in finished.stderr
         page = (folder / "results" / "reproduce" / "index.html").read_text(encoding="utf-8")
         drawn = [name for name in FIGURES if not name.startswith(("species", "refinement"))]
@@ -109,6 +109,7 @@ class TestFreshRun:
             for ending in ("pdf", "png", "svg"):
                 assert (folder / "results" / "reproduce" / "figures" / f"{name}.{ending}").exists()
 
+    @pytest.mark.thorough
     def test_a_second_run_gives_the_same_bytes_and_solves_nothing(self, results):
         before, claims = contents(results), pd.read_parquet(results / "claims.parquet")
         result = again(results)
@@ -153,15 +154,17 @@ class TestReadme:
 
 
 class TestChecks:
-    def test_results_that_are_not_those_kept_are_shown_and_named(self, fresh, results, reference, undrawn):
+    def test_results_that_are_not_those_kept_are_shown_and_named(
+        self, paper_redone, results, reference, undrawn, unjudged
+    ):
         multiply(reference / "summary.parquet", Pair.summary, "cost", 1.0 + 1e-6)
         result = again(results)
         assert result.exit_code == 3
-        assert result.stdout == fresh[1].stdout
+        assert result.stdout == paper_redone[1].stdout
         assert "\ncost, job " in f"\n{result.stderr}"
         assert "upwash diff" in result.stderr.splitlines()[-1]
 
-    def test_the_last_digits_may_differ(self, results, reference, undrawn):
+    def test_the_last_digits_may_differ(self, results, reference, undrawn, unjudged):
         multiply(reference / "summary.parquet", Pair.summary, "cost", 1.0 + 1e-9)
         assert again(results).exit_code == 0
 

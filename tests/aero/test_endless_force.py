@@ -121,7 +121,7 @@ def test_sixty_images_and_1200_points_make_the_same_force(ibis, model):
 def test_the_compiled_force_is_the_force_of_the_model(ibis, model, ratio):
     bird = replace(ibis, circulation_ratio=ratio)
     wake = compiled_wake(bird, model)
-    for follower in random_followers(bird, 40):
+    for follower in random_followers(bird, 15):
         force, _ = compiled_force(follower, wake)
         assert force == pytest.approx(plain_force(bird, follower, model), rel=1e-12, abs=1e-13)
 

@@ -134,7 +134,7 @@ def logs(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("UPWASH_TEST_LOG", str(folder / "solved.log"))
         patch.setenv("UPWASH_TEST_FIXED", str(folder / "fixed"))
-        patch.setenv("PYTHONPATH", str(HERE))
+        patch.setenv("PYTHONPATH", str(HERE), prepend=os.pathsep)
         yield folder
 
 

@@ -12,6 +12,7 @@ import pytest
 from conftest import wait_until
 
 pytest.importorskip("distributed")
+pytestmark = pytest.mark.thorough
 
 WORKERS = 2
 

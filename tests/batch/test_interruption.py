@@ -10,11 +10,12 @@ import pyarrow.parquet as pq
 import pytest
 from conftest import group_lives, kill, wait_until
 
+pytestmark = pytest.mark.thorough
+
 KILLS = 20
 JOBS = 40
 
 
-@pytest.mark.thorough
 def test_kill_9_of_the_run_twenty_times(bench, undisturbed):
     bench.sweep("slow", JOBS)
     chance = random.Random(0)

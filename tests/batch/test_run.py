@@ -74,6 +74,7 @@ def test_no_answer_is_no_failure(bench):
     assert set(bench.summary().column("error").to_pylist()) == {"nowhere to fly"}
 
 
+@pytest.mark.thorough
 def test_shards_share_the_jobs_and_merge(bench, undisturbed):
     bench.sweep("slow", 40)
     both = [bench.start("run", "./sweep.toml", "--shard", f"{number}/3") for number in (1, 2)]

@@ -404,6 +404,7 @@ def test_a_proof_ends_where_a_coordinate_is_large_against_the_box():
     assert claims and claims[0].boxes == 3000
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ENCLOSURE_MUTANTS)
 def test_a_weakened_bound_of_a_filament_is_caught(name):
     mutant = interpreted(endless_enclosure, ENCLOSURE_MUTANTS[name])

@@ -185,6 +185,7 @@ class TestPiecesOfPhase:
             assert getattr(found.v_optimum, name) == pytest.approx(getattr(known.v_optimum, name), abs=1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("objective", ["force", "power"])
 class TestAFlockInSuperposedWakes:
     def test_stays_in_antiphase_and_each_bird_gains_a_little(self, ibis, objective):

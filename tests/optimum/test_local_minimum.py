@@ -99,6 +99,7 @@ def evolve(cost, start, spread, seed, evaluations, offspring=8):
     return least
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("objective", ["force", "power"])
 def test_a_method_without_derivatives_ends_in_the_same_minimum_from_a_centimetre_away(
     ibis, objective, request

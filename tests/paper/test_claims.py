@@ -11,7 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
-from renew_claims import PAGE, SWEEPS, kept, page, solved
+from renew_claims import PAGE, SWEEPS, kept, page
 from upwash.aero.bird import Bird
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import spanwise_spacing_rule
@@ -52,6 +52,7 @@ from upwash.paper.evidence import FLOCKS, LIMIT, OBJECTIVES, PAPER_BIRD, READING
 from upwash.paper.ledger import in_limit
 from upwash.paper.of_limit import MEASURES as OWN_IN_LIMIT
 from upwash.report.claims import ledger_markdown, ledger_text
+from upwash.study.sources import read_study
 
 BY_NAME = {claim.name: claim for claim in CLAIMS}
 TEXTS = [column.name for column in CLAIM_COLUMNS if column.type == "text"]
@@ -61,9 +62,11 @@ OF_THE_SOLVER = {"robust-to-starts", "printed-start"}
 
 
 @pytest.fixture(scope="module")
-def frames():
-    """Rows of the three sweeps that claims are judged by, solved anew."""
-    return {sweep: solved(sweep) for sweep in SWEEPS}
+def frames(paper_redone):
+    """Rows of the sweeps that claims are judged by, solved anew."""
+    folder, finished = paper_redone
+    assert finished.returncode == 0, finished.stderr
+    return {sweep: read_study(folder / "results" / sweep).rows for sweep in SWEEPS}
 
 
 @pytest.fixture(scope="module")
@@ -633,26 +636,33 @@ def run(*arguments):
 
 
 class TestCommand:
-    def test_prints_the_ledger_and_keeps_it(self, results):
-        result = run(results)
-        assert result.exit_code == 0, result.output
-        assert f"{len(CLAIMS)} claims: " in result.stdout
-        assert all(name in result.stdout for name in BY_NAME)
-        table = pq.read_table(results / "claims.parquet")
+    @pytest.fixture(scope="class")
+    @classmethod
+    def told(cls, frames, tmp_path_factory):
+        """The folder of a pair with nothing beside it, and what was told of it, as text and as JSON."""
+        folder = store(frames["reproduce"], Pair, tmp_path_factory.mktemp("claims") / "reproduce")
+        text, as_json = run(folder), run(folder, "--json")
+        assert (text.exit_code, as_json.exit_code) == (0, 0), text.output
+        return folder, text.stdout, pd.DataFrame(json.loads(as_json.stdout, parse_constant=pytest.fail))
+
+    def test_prints_the_ledger_and_keeps_it(self, told):
+        folder, text, _ = told
+        assert f"{len(CLAIMS)} claims: " in text
+        assert all(name in text for name in BY_NAME)
+        table = pq.read_table(folder / "claims.parquet")
         assert table.column("claim_id").to_pylist() == list(BY_NAME)
         assert "code_version" in {key.decode() for key in table.schema.metadata}
 
-    def test_what_it_keeps_says_what_it_is(self, results):
-        run(results)
-        schema = pq.read_schema(results / "claims.parquet")
+    def test_what_it_keeps_says_what_it_is(self, told):
+        schema = pq.read_schema(told[0] / "claims.parquet")
         assert schema.names == [column.name for column in CLAIM_COLUMNS]
         for field in schema:
             assert field.metadata[b"description"]
             assert b"unit" in field.metadata
         assert schema.field("ours").type == pa.float64()
 
-    def test_without_flocks_and_airspeeds_those_claims_are_not_run(self, results):
-        found = pd.DataFrame(json.loads(run(results, "--json").stdout, parse_constant=pytest.fail))
+    def test_without_flocks_and_airspeeds_those_claims_are_not_run(self, told):
+        found = told[2]
         assert set(found.loc[found["verdict"] == NOT_RUN, "claim_id"]) == {
             claim.name for claim in CLAIMS if claim.needs != "pair"
         }

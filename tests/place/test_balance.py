@@ -100,6 +100,7 @@ def test_every_stroke_balances_by_the_plain_statement(model):
     assert count >= 29
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("species", "model", "count"),
     [
