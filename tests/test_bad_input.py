@@ -65,6 +65,23 @@ MISTAKES = {
         ["run", "./sweep.toml", "--results", "sweep.toml/results"],
         ["sweep.toml/results"],
     ),
+    "an explorer that is a folder": (["explore", "--output", "."], ["'--output'", "'.' is a directory"]),
+    "a map in a file": (
+        ["field", "northern-bald-ibis", "--output", "sweep.toml"],
+        ["'--output'", "'sweep.toml' is a file"],
+    ),
+    "a film that is a folder": (
+        ["animate", "northern-bald-ibis", "--output", "."],
+        ["'--output'", "'.' is a directory"],
+    ),
+    "observed birds that are a folder": (
+        ["evaluate", "northern-bald-ibis", "."],
+        ["'TABLE'", "'.' is a directory"],
+    ),
+    "a table told in a folder": (
+        ["evaluate", "northern-bald-ibis", "table.csv", "--output", "."],
+        ["'--output'", "'.' is a directory"],
+    ),
     "results that are a file": (["reproduce", "--results", "sweep.toml"], ["sweep.toml"]),
 }
 

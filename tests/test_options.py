@@ -305,3 +305,25 @@ def test_a_least_and_most_number_are_taken_and_what_is_beyond_is_not(monkeypatch
             assert option.type.convert(bound, option, None) == bound
             with pytest.raises(click.BadParameter):
                 option.type.convert(bound + step, option, None)
+
+
+# What the help of a command tells: least and most of each number.
+ENDS = {
+    ("flock", "--birds"): (2, None),
+    ("animate", "--birds"): (2, 24),
+    ("field", "--size"): (2, 10000),
+    ("map", "--size"): (2, 5000),
+    ("map", "--jobs"): (1, 1024),
+    ("evaluate", "--jobs"): (1, 1024),
+    ("run", "--workers"): (1, 1024),
+    **{
+        (path, "--seed"): (0, None)
+        for path in ("optimum", "flock", "phase", "robust", "field", "animate", "map")
+    },
+}
+
+
+@pytest.mark.parametrize(("path", "name"), ENDS)
+def test_least_and_most_are_those_that_people_know(path, name):
+    kind = options_of(path)[name].type
+    assert (kind.min, kind.max) == ENDS[path, name]

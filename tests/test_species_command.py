@@ -56,6 +56,12 @@ class TestShow:
         assert result.stdout.count("h = 1.039 m, half-angle 60 deg") == 2
         assert "Warning: stroke_half_angle is the species' own" in result.stderr
 
+    @pytest.mark.parametrize("slug", LIBRARY)
+    def test_says_in_what_formation_a_bird_flies_if_that_is_known(self, slug):
+        known = LIBRARY[slug].formation
+        told = [line for line in species("show", slug).stdout.splitlines() if line.startswith("flies in: ")]
+        assert told == ([f"flies in: {known.shape} ({known.basis}: {known.source})"] if known else [])
+
     def test_says_where_a_convention_is_impossible(self):
         result = species("show", "dunlin")
         assert re.search(r"^strouhal +impossible$", result.stdout, re.M)
