@@ -107,31 +107,33 @@ def evaluate(
     SPECIES is a name in the library or the path of a TOML file. TABLE is a CSV or Parquet file with a row for
     each bird: x_m behind its leader, y_m to the right of it, and maybe z_m above, phase (lag in wingbeats),
     speed_m_s, period_s, mass_kg; what is missing of height and phase is optimised. Other columns are passed
-    through.
+    through. species/observations.csv holds where birds were published to fly.
 
     \b
     Example:
       upwash evaluate northern-bald-ibis seen.csv --model limit --sigma-m 0.05
+      upwash evaluate canada-goose species/observations.csv --model limit
       upwash evaluate mute-swan gps.csv --pairs --heading 210 --output swans.parquet
     """
     import os
 
     from upwash.errors import UpwashError
     from upwash.report.observed_answer import ROWS_SHOWN, first_rows, records, summary
+    from upwash.species import load_species
     from upwash.study.observed.evaluation import Evaluation
-    from upwash.study.observed.file import evaluation_file, read_pieces
+    from upwash.study.observed.file import evaluation_file, read_birds
     from upwash.study.observed.tally import EvaluationTally
 
     if as_csv and json_output:
         raise UpwashError("--csv, --json: expected one of them, found both; leave one out")
-    asked = _asked(chosen)
+    asked, species = _asked(chosen), load_species(chosen["species"])
     evaluation, tally = Evaluation(asked, jobs or os.cpu_count() or 1), EvaluationTally()
     at_work("evaluating")
     shown: pd.DataFrame | None = None
     with ExitStack() as stack:
         said = {"species": chosen["species"], "objective": asked.objective, "bounds": asked.bounds}
         writer = stack.enter_context(evaluation_file(output, said)) if output else None
-        for piece in read_pieces(table, whole=asked.pairs):
+        for piece in read_birds(table, species.slug, evaluation.bird, whole=asked.pairs):
             told = evaluation(piece)
             if as_csv:
                 click.echo(told.to_csv(index=False, header=tally.rows == 0, lineterminator="\n"), nl=False)

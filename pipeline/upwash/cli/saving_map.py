@@ -112,7 +112,7 @@ def map(
     job = single_job(Pair, **chosen)
     assert isinstance(job.bird, Bird)  # otherwise `single_job` has complained
     held, ranges = _told({"x": x_m, "y": y_m, "z": z_m, "phase": phase})
-    seen = read_places(observed, job.bird.semispan_m) if observed else None
+    seen = read_places(observed, job.species, job.bird) if observed else None
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -317,7 +317,7 @@ def map_savings(
     >>> found.values["saving_total"].shape
     (8, 8)
     >>> found.frame()["outcome"].value_counts().to_dict()
-    {'saves': 45, 'pays': 19}
+    {'saves': 49, 'pays': 15}
     """
     asked, model = Asked(plane, over, held, ranges, size), model or WakeModel()
     try:

@@ -12,6 +12,7 @@ from upwash.aero.bird import Bird
 from upwash.errors import UpwashError, environment_fault
 from upwash.paper.printed import TABLE_1
 from upwash.species.library import REFERENCE, load_species
+from upwash.study.observed.published import published_places
 
 PLACE = ("x_m", "y_m")
 """What a table of observed birds must hold."""
@@ -38,24 +39,15 @@ def seen_places(species: str, bird: Bird, observations: pd.DataFrame) -> list[di
         One for each distance aside that a study gives: ``label``, ``y_m``, and ``x_m``, which is None where it tells
         no distance behind.
     """
-    unit = {
-        "m": 1.0,
-        "semispans": bird.semispan_m,
-        "wingspans": 2.0 * bird.semispan_m,
-        "wavelengths": bird.wavelength_m,
-    }
-    ours = observations[(observations["species"] == species) & ~observations["this_model"].astype(bool)]
-    middle = ours["value"].fillna((ours["low"] + ours["high"]) / 2.0)
-    ours = ours.assign(length=middle * ours["unit"].map(unit).astype(float)).dropna(subset="length")
-    places = []
-    for label, rows in ours.groupby("label", sort=False):
-        behind = rows.loc[rows["quantity"] == "distance_behind", "length"]
-        for quantity, aside in zip(rows["quantity"], rows["length"], strict=True):
-            if quantity in ("lateral_distance", "wingtip_spacing"):
-                y = aside + (2.0 * bird.semispan_m if quantity == "wingtip_spacing" else 0.0)
-                x = float(behind.iloc[0]) if len(behind) else None
-                places.append({"label": str(label), "x_m": x, "y_m": float(y)})
-    return places
+    try:
+        found = published_places(species, bird, observations)
+    except UpwashError:
+        return []
+    is_told = ~found["assumed"].str.contains("behind")
+    return [
+        {"label": str(label), "x_m": x if told else None, "y_m": y}
+        for label, x, y, told in zip(found["label"], found["x_m"], found["y_m"], is_told, strict=True)
+    ]
 
 
 def paper_place(bird: Bird) -> dict[str, float] | None:

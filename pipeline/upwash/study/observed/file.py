@@ -13,10 +13,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from upwash.aero.bird import Bird
 from upwash.batch.store import TABLE_OPTIONS, provenance, replacing
 from upwash.errors import UpwashError
 from upwash.jobs.schema import schema_of
+from upwash.shipped import shipped
 from upwash.study.observed.pairs import one_ahead
+from upwash.study.observed.published import is_published, published_places
 from upwash.study.observed.table import Reading, read_rows
 from upwash.study.told import EVALUATION
 
@@ -25,6 +28,9 @@ ROWS_AT_ONCE = 20_000
 
 PARQUET = (".parquet", ".pq")
 TEXT = (".csv", ".txt", ".tsv")
+
+PUBLISHED = Path("species/observations.csv")
+"""The published observations that come with Upwash."""
 
 
 def read_pieces(path: Path, whole: bool = False) -> Iterator[pd.DataFrame]:
@@ -124,15 +130,43 @@ def _noticing(path: Path) -> Iterator[None]:
         raise UpwashError(f"{path}: expected a Parquet file, found: {found}; save it again") from error
 
 
-def read_places(path: Path, semispan_m: float) -> NDArray[np.float64]:
-    """Read where birds fly, as dots of a map: of a table with a row for each bird, or of one that was evaluated.
+def read_birds(path: Path, species: str, bird: Bird, whole: bool = False) -> Iterator[pd.DataFrame]:
+    """Read a table with a row for each bird; published observations become the places that they tell.
 
     Parameters
     ----------
     path : Path
-        The table.
-    semispan_m : float
-        Semispan of the birds, by which a wrong unit is noticed.
+        As for `read_pieces`; ``species/observations.csv`` is found wherever Upwash is installed.
+    species : str
+        Name of the species, whose observations are read of published ones.
+    bird : Bird
+        Its bird.
+    whole : bool
+        As for `read_pieces`.
+
+    Raises
+    ------
+    UpwashError
+        As by `read_pieces`, or if nothing is published of the species.
+    """
+    if path == PUBLISHED and not path.exists():
+        path = shipped(PUBLISHED.as_posix())
+    pieces = read_pieces(path, whole)
+    first = next(pieces)
+    if is_published(first):
+        yield published_places(species, bird, pd.concat([first, *pieces]))
+    else:
+        yield first
+        yield from pieces
+
+
+def read_places(path: Path, species: str, bird: Bird) -> NDArray[np.float64]:
+    """Read where birds fly, as dots of a map: of a table with a row for each bird, or of one that was evaluated.
+
+    Parameters
+    ----------
+    path, species, bird
+        As for `read_birds`.
 
     Returns
     -------
@@ -145,8 +179,8 @@ def read_places(path: Path, semispan_m: float) -> NDArray[np.float64]:
         If it is no such table, or no row can be used.
     """
     found = []
-    for piece in read_pieces(path):
-        rows = read_rows(piece, Reading(), semispan_m)
+    for piece in read_birds(path, species, bird):
+        rows = read_rows(piece, Reading(), bird.semispan_m)
         places = one_ahead(rows).places
         found.append(places[rows.faults == ""])
     places = np.concatenate(found)
