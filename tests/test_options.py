@@ -39,6 +39,7 @@ CALLS = {
     # The ibis's own amplitude is that of either convention.
     "phase": ["mute-swan"],
     "robust": ["mute-swan"],
+    "speed": ["mute-swan"],
     "field": [IBIS],
     "animate": [IBIS],
     # The ibis's own amplitude is that of either convention.
@@ -71,6 +72,7 @@ VALUES = {
     "--model": "limit",
     "--wavelengths": "2",
     "--sigma": "0.3",
+    "--birds": "3",
     "--sigma-m": "0.02",
     "--sigma-phase": "0.1",
     "--observed": "birds.csv",
@@ -227,6 +229,7 @@ def see(template, tmp_path, monkeypatch):
     stand_in("upwash.study.limit_ranges.limit_ranges", lambda *given: [])
     stand_in("upwash.study.phase_rule.phase_rules", lambda *given: studies.phase_frames())
     stand_in("upwash.study.robustness.robustness", lambda *given: studies.drift_frame())
+    stand_in("upwash.study.best_speed.best_speeds", lambda *given: studies.speed_frame())
     stand_in("upwash.literature.ledger.judge_literature", read_kept)
     stand_in("upwash.report.figures.catalogue.save_all", lambda *given: [])
     stand_in("upwash.report.animation.write_animation", lambda birds, path: None)

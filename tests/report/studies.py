@@ -19,7 +19,9 @@ from upwash.batch.folder import Plan, ResultsFolder
 from upwash.batch.store import TableWriter, provenance
 from upwash.jobs.kinds import KINDS
 from upwash.jobs.schema import table_of
+from upwash.journey.speed import CRITERIA
 from upwash.optimum.record import record
+from upwash.study.best_speed import SPEEDS
 from upwash.study.phase_rule import CURVE, IN_LINE, V, phase_rule, wrapped
 from upwash.study.robustness import ROBUSTNESS, V_FORMATION
 
@@ -278,3 +280,20 @@ def drift_frame():
     words = {"species": "northern-bald-ibis", "objective": "power", "model": "paper", "span_law": "tip"}
     numbers = {column.name: 0.05 for column in ROBUSTNESS}
     return pd.DataFrame([numbers | words | {"region": V_FORMATION, "half_width_x_m_nearer": np.nan}])
+
+
+def speed_frame():
+    """Return best speeds, as `upwash.study.best_speed.best_speeds` does."""
+    words = {"species": "northern-bald-ibis", "objective": "power", "amplitude_convention": "stroke-angle"}
+    numbers = {column.name: 0.5 for column in SPEEDS}
+    each = [(1, "alone", False), (2, "follower", False), (2, "flock", False), (2, "flock", True)]
+    return pd.DataFrame(
+        [
+            numbers
+            | words
+            | {"criterion": criterion, "birds": birds, "who": who, "turns": turns, "proved": True}
+            | {"bound": "", "error": ""}
+            for criterion in CRITERIA
+            for birds, who, turns in each
+        ]
+    )

@@ -182,18 +182,20 @@ class Block:
 
 
 def _model(bird: Bird | NoBird, point: Mapping[str, Setting]) -> WakeModel:
-    """Return the model of the wake that is named, with some parts otherwise.
+    """Return the model of the wake with the steps that its core and the bird's wavelength need, unless they are set."""
+    model = model_of(point)
+    return model if "stroke_states" in point else model.resolving(wavelength_ratio(bird))
 
-    It has the steps that its core and the bird's wavelength need, unless their number is among those parts.
-    """
+
+def model_of(point: Mapping[str, Setting]) -> WakeModel:
+    """Return the model of the wake that is named, with some parts otherwise."""
     named = WakeModel.named(point[MODEL].value if MODEL in point else NAMES[0])
     parts: dict[str, Any] = {}
     for name in PARTS:
         if name in point:
             value = point[name].value * (getattr(named, name) if point[name].relative else 1)
             parts[name] = math.inf if value == "endless" else value
-    model = replace(named, **parts)
-    return model if "stroke_states" in parts else model.resolving(wavelength_ratio(bird))
+    return replace(named, **parts)
 
 
 def _bird(species: Species, convention: str, point: Mapping[str, Setting]) -> Bird | NoBird:

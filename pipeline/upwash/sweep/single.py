@@ -7,17 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
+from upwash.aero.bird import Bird
 from upwash.aero.checked import Rule
+from upwash.aero.wake import WakeModel
 from upwash.errors import UpwashError
 from upwash.jobs.job import BUILT_IN_SOLVER, Job
 from upwash.jobs.kind import Kind
-from upwash.species import load_species
+from upwash.jobs.pair import Pair
+from upwash.species import Species, load_species
 from upwash.species.file import did_you_mean, printable
 from upwash.species.species import OF_THE_AMPLITUDE
-from upwash.sweep.block import Block, Sample
+from upwash.sweep.block import Block, Sample, model_of
 from upwash.sweep.choices import ALTITUDE, CHOICES, MODEL, OF_THE_BIRD, PARAMETERS
 from upwash.sweep.values import Setting
 
@@ -57,6 +60,60 @@ def single_job(
     """
     ((job, _),) = _block(kind, species, settings, amplitude, model, parts, choices).jobs()
     return job
+
+
+@dataclass(frozen=True)
+class Changing:
+    """A bird some of whose inputs change, as a command line asks for it.
+
+    Parameters
+    ----------
+    job : Job
+        That of the bird as it is asked for.
+    species : Species
+        Its species.
+    amplitude : str
+        Amplitude convention.
+    settings : mapping of str to Setting
+        Inputs that differ from the species' own.
+    """
+
+    job: Job
+    species: Species
+    amplitude: str
+    settings: Mapping[str, Setting]
+
+    @property
+    def model(self) -> WakeModel:
+        """The model of the wake with the steps that were asked for, or those that it is named with."""
+        return model_of(self.settings)
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether the number of steps was asked for."""
+        return "stroke_states" in self.settings
+
+    def bird(self, **changes: float) -> Bird:
+        """Return the bird with some inputs changed; the amplitude follows by its convention.
+
+        Raises
+        ------
+        UpwashError
+            If there is no such bird.
+        """
+        fixed = {name: one.value for name, one in self.settings.items() if name in OF_THE_BIRD}
+        if "density_kg_m3" in changes:
+            fixed.pop(ALTITUDE, None)
+        return self.species.bird(self.amplitude, **(fixed | changes))
+
+
+def changing_bird(
+    species: str, settings: Iterable[str], amplitude: str, model: str | None = None, **choices: Any
+) -> Changing:
+    """Return the bird of one job, some of whose inputs are to change; all else is as for `single_job`."""
+    block = _block(Pair, species, settings, amplitude, model, None, choices)
+    ((job, _),) = block.jobs()
+    return Changing(job, block.species[0], amplitude, block.fixed)
 
 
 def jobs_within_ranges(count: int, points_seed: int, **asked: Any) -> dict[str, list[Job]]:
