@@ -31,6 +31,14 @@ OF_THE_FILE_AND_OF_A_BLOCK = {
         "",
         "mass_kg",
     ),
+    "leader": ('leader = "mute-swan"', 'leader = ["dunlin", "whooper-swan"]', "", "ahead_species"),
+    "speed_of": (
+        'leader = "mute-swan"\nspeed_of = "leader"',
+        'leader = "mute-swan"\nspeed_of = "mean"',
+        "",
+        "speed_m_s",
+    ),
+    "phase_lock": ("phase_lock = false", "phase_lock = true", "", "phase_lock"),
     "exclude": (
         "[[exclude]]\nseed = [1, 2]",
         "[[block.exclude]]\nseed = [3, 4]",

@@ -79,7 +79,7 @@ def test_a_job_is_what_its_columns_say_and_says_them_again(row):
     job = Job.of(row)
     stated = {name: value for name, value in job.inputs().items() if value is not None}
     # What came later is the paper's.
-    usual = of.told(vars(WakeModel())) | {"model": WakeModel().name(1.0)}
+    usual = of.told(vars(WakeModel())) | {"model": WakeModel().name(1.0), "phase_lock": True}
     name = job.inputs()["model"]
     assert {**usual, "job_id": job.job_id, **stated} == usual | row | {"model": name}
     assert (name == "paper") == (job.model == WakeModel())

@@ -15,7 +15,7 @@ from upwash.report.table import Table
 from upwash.report.words import common_name
 from upwash.species import ImpossibleAmplitude
 from upwash.species.library import library_paths
-from upwash.study.limit_ranges import SAMPLES, SEED, LimitRange, limit_ranges
+from upwash.study.limit_ranges import SAMPLES, SEED, LimitRange, limit_ranges, pair_in
 from upwash.sweep.single import jobs_within_ranges
 
 PAGE = Path(__file__).parents[1] / "docs" / "limit.md"
@@ -36,7 +36,7 @@ def ranges_of(species: str, convention: str) -> list[LimitRange]:
         seed=0,
         tolerance=1e-4,
     )
-    birds = {law: [(job.bird, job.model) for job in of_law] for law, of_law in jobs.items()}
+    birds = {law: [pair_in(job) for job in of_law] for law, of_law in jobs.items()}
     return limit_ranges(birds, "power", in_v=True)
 
 

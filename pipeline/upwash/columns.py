@@ -70,6 +70,8 @@ FLOAT, INTEGER, TEXT, TRUTH = "float", "integer", "text", "truth"
 # job and not of one of its optima; a bird's place in its flock; an optimum; the proof, the same in all rows of a job.
 OUTCOME, PROBLEM, SEARCH, FLOCK, EFFORT = "outcome", "problem", "search", "flock", "effort"
 JOB, BIRD, OPTIMUM, PROOF = "job", "bird", "optimum", "proof"
+# Of the bird ahead: what it is, an input of a pair; and how it flaps, which a flock finds.
+AHEAD, AHEAD_STROKE = "bird ahead", "stroke of the bird ahead"
 PAIR_SUMMARY, FLOCK_SUMMARY = "summary of a pair", "summary of a flock"
 
 # How `upwash check` verifies a value.
@@ -227,7 +229,8 @@ _choice = partial(Column, unit="", type=TEXT, agreement=EXACT, belongs=PROBLEM, 
 _rule = partial(_choice, belongs=FLOCK, listed=(JOBS,))
 _count = partial(Column, unit="1", type=INTEGER, agreement=EXACT, belongs=PROBLEM, verified=IDENTITY)
 _place = partial(Column, agreement=PLACE, belongs=BIRD, verified=CHAIN, format=".3f")
-_ahead = partial(Column, agreement=PLACE, belongs=BIRD, verified=CHAIN, absent=LEADING)
+_unlike = partial(_input, belongs=AHEAD, absent=UNASKED, since=3)
+_ahead = partial(_unlike, agreement=PLACE, belongs=AHEAD_STROKE, verified_in_flock=CHAIN, absent=SOMETIMES)
 _bird = partial(_count, belongs=BIRD, verified=CHAIN, listed=(OPTIMA,))
 _found = partial(Column, agreement=PLACE, belongs=OPTIMUM, verified=FOUND, format=".4f", listed=(OPTIMA,))
 _relative = partial(_found, absent=LEADING, listed=(JOBS, OPTIMA))
@@ -269,14 +272,14 @@ COLUMNS = (
     _input(
         "leader_amplitude_m",
         "m",
-        "leader's tip-to-tip flapping amplitude",
+        "lone bird's tip-to-tip flapping amplitude, and that of a leader like it",
         head="h_L",
         label="leader's amplitude",
     ),
     _input(
         "leader_upstroke_span_ratio",
         "1",
-        "leader's upstroke span over downstroke span",
+        "lone bird's upstroke span over downstroke span, and that of a leader like it",
         head="R_L",
         label="leader's upstroke span ratio",
     ),
@@ -322,6 +325,27 @@ COLUMNS = (
         absent=UNASKED,
         label="distance asked for",
     ),
+    _choice(
+        "phase_lock",
+        description="whether birds beat in step, in the first one's period, or each in its own, averaged over phases",
+        type=TRUTH,
+        absent=UNASKED,
+        since=3,
+    ),
+    _unlike(
+        "ahead_species",
+        "",
+        "species file of the bird ahead; absent if it is like its follower",
+        type=TEXT,
+        agreement=EXACT,
+        listed=(JOBS,),
+    ),
+    _unlike("ahead_mass_kg", "kg", "body mass of the bird ahead"),
+    _unlike("ahead_semispan_m", "m", "half the wingspan of the bird ahead"),
+    _unlike("ahead_period_s", "s", "wingbeat period of the bird ahead"),
+    _unlike(
+        "ahead_circulation_ratio", "1", "upstroke circulation over downstroke circulation of the bird ahead"
+    ),
     _count("seed", description="seed of the search", belongs=SEARCH),
     _input("tolerance", "1", "relative gap to which the optimum is to be proved", belongs=SEARCH),
     _choice("solver", description="upwash, or package.module:function", belongs=SEARCH),
@@ -330,6 +354,13 @@ COLUMNS = (
     _rule("shape", description="echelon, vee or alternating"),
     _rule("wake", description="whose wakes a bird feels: neighbour or all-upstream"),
     _rule("reading", description="reading of the amplitude bound: immediate or lone"),
+    _choice(
+        "members",
+        description="the birds behind the first and their inputs, as JSON; absent if all are like it",
+        belongs=FLOCK,
+        absent=UNASKED,
+        since=3,
+    ),
     _id("flock_id", description="the flock: its job's id", belongs=BIRD),
     _bird("bird", description="number of the bird, 1 the leader", head="bird"),
     _bird("leader", description="number of the bird that it follows", absent=LEADING, head="follows"),
@@ -340,22 +371,40 @@ COLUMNS = (
     _place("x_flock_m", "m", "downstream of the first bird", head="x"),
     _place("y_flock_m", "m", "right of the first bird", head="y"),
     _place("z_flock_m", "m", "above the first bird", head="z", format="+.3f"),
-    _place("phase_flock", "1", "lag behind the first bird, in wingbeats, modulo 1", head="phase"),
+    _place(
+        "phase_flock",
+        "1",
+        "lag behind the first bird, in wingbeats, modulo 1; absent where each keeps its own beat",
+        absent=UNASKED,
+        head="phase",
+    ),
     _relative("x_m", "m", "follower downstream of its leader", head="x"),
     _relative("y_m", "m", "follower right of its leader", head="y"),
     _relative("z_m", "m", "follower above its leader", head="z"),
     _found("amplitude_m", "m", "follower's tip-to-tip flapping amplitude", head="h"),
     _found("upstroke_span_ratio", "1", "follower's upstroke span over downstroke span", head="R"),
-    _relative("phase", "1", "follower's lag behind its leader, in wingbeats", head="κ"),
+    _relative(
+        "phase",
+        "1",
+        "follower's lag behind its leader, in wingbeats; absent where each keeps its own beat",
+        absent=SOMETIMES,
+        head="κ",
+    ),
     _relative(
         "spatial_phase",
         "1",
         "x/lambda - phase, in (-1/2, 1/2]: where in the leader's wake the follower begins its wingbeat",
+        absent=SOMETIMES,
         verified=RECOMPUTED,
         head="Φ",
     ),
-    _force("weight_n", description="weight of either bird", belongs=JOB, label="weight"),
-    _force("drag_n", description="drag of either bird", belongs=JOB, label="drag"),
+    _force("weight_n", description="weight of the bird", belongs=JOB, label="weight"),
+    _force(
+        "drag_n",
+        description="drag of the bird, the thrust of its lone stroke",
+        belongs=JOB,
+        label="drag",
+    ),
     _force("lift_self_n", description="lift that the follower makes itself", label="self-generated lift"),
     _force(
         "thrust_self_n",
@@ -371,21 +420,40 @@ COLUMNS = (
     _power(
         "power_wake_w", description="energy that the follower's own rings carry, per time; in no other power"
     ),
-    _power("leader_power_induced_w", description="leader's induced power", belongs=JOB),
-    _power("leader_power_profile_w", description="leader's profile power", belongs=JOB),
-    _power("leader_power_parasite_w", description="leader's parasite power", belongs=JOB),
-    _power("leader_power_total_w", description="leader's total power", belongs=JOB, label="total power"),
-    _power("leader_power_wake_w", description="energy that the leader's rings carry, per time", belongs=JOB),
-    _saving("saving_induced", description="share of the leader's induced power saved", head="induced"),
-    _saving("saving_profile", description="share of the leader's profile power saved", head="profile"),
-    _saving("saving_total", description="share of the leader's total power saved", listed=(JOBS, OPTIMA)),
+    _power(
+        "leader_power_induced_w",
+        description="lone bird's induced power",
+        belongs=JOB,
+    ),
+    _power(
+        "leader_power_profile_w",
+        description="lone bird's profile power",
+        belongs=JOB,
+    ),
+    _power(
+        "leader_power_parasite_w",
+        description="lone bird's parasite power",
+        belongs=JOB,
+    ),
+    _power(
+        "leader_power_total_w",
+        description="lone bird's total power",
+        belongs=JOB,
+        label="total power",
+    ),
+    _power(
+        "leader_power_wake_w", description="energy that the lone bird's rings carry, per time", belongs=JOB
+    ),
+    _saving("saving_induced", description="share of the lone bird's induced power saved", head="induced"),
+    _saving("saving_profile", description="share of the lone bird's profile power saved", head="profile"),
+    _saving("saving_total", description="share of the lone bird's total power saved", listed=(JOBS, OPTIMA)),
     _cost(
         "cost",
         description="follower's cost: force N, power and aerodynamic_power W, cost_of_transport J/m",
         format="#.6g",
         listed=(OPTIMA,),
     ),
-    _cost("cost_leader", description="leader's cost, in the same unit", belongs=JOB),
+    _cost("cost_leader", description="lone bird's cost, in the same unit", belongs=JOB),
     _residual("residual_lift", description="lift in excess of weight, over weight", listed=(OPTIMA,)),
     _residual("residual_thrust", description="thrust in excess of drag, over drag", listed=(OPTIMA,)),
     _counted(
@@ -590,10 +658,10 @@ _BY_NAME = {one.name: one for one in COLUMNS if one.words}
 """The columns that have words."""
 
 
-OF_A_PAIR = (OUTCOME, PROBLEM, SEARCH, JOB, OPTIMUM, EFFORT, PROOF)
-SOLUTIONS_COLUMNS = belonging(*OF_A_PAIR)
-SUMMARY_COLUMNS = belonging(*OF_A_PAIR, PAIR_SUMMARY)
+OF_BOTH = (OUTCOME, PROBLEM, SEARCH, AHEAD_STROKE, JOB, OPTIMUM, EFFORT, PROOF)
+SOLUTIONS_COLUMNS = belonging(*OF_BOTH, AHEAD)
+SUMMARY_COLUMNS = belonging(*OF_BOTH, AHEAD, PAIR_SUMMARY)
 FLOCK_COLUMNS = tuple(
-    replace(one, verified=one.verified_in_flock or one.verified) for one in belonging(*OF_A_PAIR, FLOCK, BIRD)
+    replace(one, verified=one.verified_in_flock or one.verified) for one in belonging(*OF_BOTH, FLOCK, BIRD)
 )
 FLOCK_SUMMARY_COLUMNS = belonging(OUTCOME, PROBLEM, SEARCH, FLOCK, FLOCK_SUMMARY)

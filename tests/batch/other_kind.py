@@ -21,7 +21,7 @@ class Line(Pair):
 
     @classmethod
     def from_inputs(cls, given):
-        return cls(given.get("birds") or 1)
+        return cls(birds=given.get("birds") or 1)
 
     def inputs(self):
         return {}

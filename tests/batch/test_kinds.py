@@ -27,7 +27,7 @@ def lines(bench, monkeypatch):
 
 def test_its_table_in_a_sweep_is_read_by_its_rules(lines):
     (job,) = read_sweep(lines.folder / "sweep.toml").jobs
-    assert job.kind == Line(4) and job.inputs()["kind"] == "line"
+    assert job.kind == Line(birds=4) and job.inputs()["kind"] == "line"
 
 
 def test_it_is_run_gathered_listed_compared_and_shown(lines):

@@ -47,9 +47,9 @@ def test_to_the_left_everything_is_as_to_the_right_but_the_side():
             )
 
 
-def test_every_wake_adds_its_force():
+def test_every_wake_adds_its_force(ibis):
     alone, other = record_of(AHEAD, POSE), replace(POSE, x_m=3.5, y_m=1.7)
-    both, second = record_of(AHEAD, POSE, others=[(AHEAD, other)]), record_of(AHEAD, other)
+    both, second = record_of(AHEAD, POSE, others=[(AHEAD, other, ibis)]), record_of(AHEAD, other)
     assert both.lift_wake_n == pytest.approx(alone.lift_wake_n + second.lift_wake_n, rel=1e-12)
     assert both.thrust_wake_n == pytest.approx(alone.thrust_wake_n + second.thrust_wake_n, rel=1e-12)
     assert both.residual_lift == pytest.approx((both.lift_self_n + both.lift_wake_n) / both.weight_n - 1.0)
@@ -107,7 +107,7 @@ def test_the_rows_of_a_pair_and_of_a_flock_are_what_is_recorded(ibis, ibis_force
     for member, row in zip(flock.members[1:], flock.rows()[1:], strict=True):
         leader = flock.members[member.leader - 1].place.pose
         others = [
-            (one.stroke, member.place.pose.relative_to(one))
+            (one.stroke, member.place.pose.relative_to(one), ibis)
             for one in (flock.members[k - 1].place.pose for k in ALL_UPSTREAM.felt_by(member.number)[:-1])
         ]
         found = record(ibis, "force", leader.stroke, member.optimum.pose, WakeModel(), others)

@@ -264,6 +264,7 @@ def endless_wind(
     wavelength: float,
     core_radius: float,
     model: WakeModel,
+    steps: Steps,
 ) -> NDArray[np.float64]:
     """Return the wind of an endless wake, averaged over the follower's span, in each step of its wingbeat.
 
@@ -282,42 +283,62 @@ def endless_wind(
     wavelength, core_radius : float
         Lengths.
     model : WakeModel
-        The steps, the core and the points across the span.
+        The core and the points across the span.
+    steps : Steps
+        The follower's steps.
 
     Returns
     -------
     (n, 2) ndarray of float
         Mean v_x and v_z in each step.
     """
-    steps, phase = wingbeat_steps(model), wrapped_phase(spatial_phase)
+    phase = wrapped_phase(spatial_phase)
     wind = np.empty((steps.phase.size, 2))
     for window, chosen in zip(windows, (steps.is_downstroke, ~steps.is_downstroke), strict=True):
-        x = wavelength * (phase - steps.phase_in_stroke[chosen] - window.middle)
+        x = wavelength * (phase - steps.phase_in_stroke[chosen] - window.middle - steps.lag[chosen])
         height = place[1] + amplitude * steps.height[chosen]
         wind[chosen] = window.mean_wind(x, place[0], height, half_span[chosen], core_radius, model)
     return wind
 
 
-def endless_wake_of(bird: Bird, ahead: Stroke, model: WakeModel, unit_n: float = 1.0) -> EndlessWake:
-    """Lay out the endless wake of a bird for the compiled force: lengths in semispans, forces in a unit.
+def endless_wake_of(
+    bird: Bird,
+    ahead: Stroke,
+    model: WakeModel,
+    unit_n: float = 1.0,
+    *,
+    leader: Bird | None = None,
+    phase_lock: bool = True,
+) -> EndlessWake:
+    """Lay out the endless wake of a bird for the compiled force: lengths in the follower's semispans, forces in a unit.
 
     Parameters
     ----------
-    bird, ahead, model
+    bird, ahead, model, leader, phase_lock
         As for `upwash.aero.interaction.wake_force`; the span must be felt as a whole.
     unit_n : float
         The unit of force, in N.
     """
-    steps, b = wingbeat_steps(model), bird.semispan_m
-    wavelength = bird.wavelength_m / b
-    shed = ahead.amplitude_m / b, ahead.span_ratio, 1.0, wavelength, 1.0, bird.circulation_ratio
+    leader = leader or bird
+    steps, b = wingbeat_steps(model, phase_lock), bird.semispan_m
+    wavelength, semispan = leader.wavelength_m / b, leader.semispan_m / b
+    # In the follower's own circulation, so that of like birds it is 1.
+    circulation = leader.circulation_m2_s / bird.circulation_m2_s
+    shed = (
+        ahead.amplitude_m / b,
+        ahead.span_ratio,
+        semispan,
+        wavelength,
+        circulation,
+        leader.circulation_ratio,
+    )
     unit = bird.density_kg_m3 * bird.circulation_m2_s**2 / unit_n
     return compiled_endless_wake(
         (endless_window(True, *shed), endless_window(False, *shed)),
         steps,
         unit * steps.circulation(bird.circulation_ratio),
         wavelength,
-        model.core_radius_ratio,
+        model.core_radius_ratio * semispan,
         model.core,
     )
 
@@ -375,7 +396,7 @@ def compiled_endless_wake(
     order = np.concatenate([np.flatnonzero(steps.is_downstroke), np.flatnonzero(~steps.is_downstroke)])
     middle = np.where(steps.is_downstroke, windows[0].middle, windows[1].middle)
     rows = [
-        -steps.phase_in_stroke - middle,
+        -steps.phase_in_stroke - middle - steps.lag,
         steps.height,
         1.0 - steps.flexed,
         steps.flexed,

@@ -43,6 +43,11 @@ def phase_weights(phase: float, stroke_states: int = 2) -> NDArray[np.float64]:
     return np.maximum(0.0, 1.0 / stroke_states - np.minimum(lag, 1.0 - lag))
 
 
+def mean_phase_weights(stroke_states: int = 2) -> NDArray[np.float64]:
+    """Return the same shares on average over all phases, as of birds that each keep their own beat: all alike."""
+    return np.full((stroke_states, stroke_states), 1.0 / stroke_states**2)
+
+
 def phase_piece(piece: int, stroke_states: int = 2) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the phase weights between kinks, where they are linear: κ = piece/N + t has weights β₀ + β₁ t.
 
@@ -75,19 +80,23 @@ def state_forces(
     ahead: Stroke,
     pose: Pose,
     model: WakeModel | None = None,
+    *,
+    leader: Bird | None = None,
 ) -> NDArray[np.float64]:
     """Return the wake-induced lift and thrust for every pair of stroke states (eqn:full_integral).
 
     Parameters
     ----------
     bird : Bird
-        The bird that sets circulation, semispan, speed and air; leader and follower share them.
+        The follower, which sets circulation and span of the wing that feels the wake.
     ahead : Stroke
         How the leader flaps.
     pose : Pose
         Where the follower flies relative to the leader, and how it flaps; its phase has no say here.
     model : WakeModel, optional
         Resolution; the paper's if not given.
+    leader : Bird, optional
+        The bird that sheds the wake: its circulation, semispan, wavelength and core; like the follower if not given.
 
     Returns
     -------
@@ -102,15 +111,7 @@ def state_forces(
             f"found stroke_rule {model.stroke_rule!r} and wavelengths {model.wavelengths!r}"
         )
     states, b = model.stroke_states, bird.semispan_m
-    wake = vortex_wake(
-        ahead.amplitude_m,
-        ahead.span_ratio,
-        b,
-        bird.wavelength_m,
-        bird.circulation_m2_s,
-        bird.circulation_ratio,
-        model,
-    )
+    wake = vortex_wake(*shed_by(leader or bird, ahead), model)
     steps = wingbeat_steps(model)
     circulation = bird.circulation_m2_s * steps.circulation(bird.circulation_ratio)
     forces = np.empty((states, states, 2))
@@ -122,6 +123,18 @@ def state_forces(
             # v × ŷ = (−v_z, 0, v_x): streamwise velocity lifts, upwash pulls forward.
             forces[j, k] = bird.density_kg_m3 * circulation[k] * 2.0 * half_span * mean
     return forces
+
+
+def shed_by(leader: Bird, ahead: Stroke) -> tuple[float, float, float, float, float, float]:
+    """Return amplitude, span ratio, semispan, wavelength, circulation and its ratio, as wakes are made of them."""
+    return (
+        ahead.amplitude_m,
+        ahead.span_ratio,
+        leader.semispan_m,
+        leader.wavelength_m,
+        leader.circulation_m2_s,
+        leader.circulation_ratio,
+    )
 
 
 def _mean_wind(
@@ -152,19 +165,12 @@ def _mean_wind(
     return (weights @ wind)[[0, 2]]
 
 
-def _gauss_force(bird: Bird, ahead: Stroke, pose: Pose, model: WakeModel) -> NDArray[np.float64]:
+def _gauss_force(
+    bird: Bird, ahead: Stroke, pose: Pose, model: WakeModel, leader: Bird, phase_lock: bool
+) -> NDArray[np.float64]:
     """Return lift and thrust behind a wake that ends, both birds being followed through the wingbeat."""
-    steps, b = wingbeat_steps(model), bird.semispan_m
-    wake = wake_at_phases(
-        list(steps.phase + pose.phase),
-        ahead.amplitude_m,
-        ahead.span_ratio,
-        b,
-        bird.wavelength_m,
-        bird.circulation_m2_s,
-        bird.circulation_ratio,
-        model,
-    )
+    steps, b = wingbeat_steps(model, phase_lock), bird.semispan_m
+    wake = wake_at_phases(list(steps.phase + pose.phase + steps.lag), *shed_by(leader, ahead), model)
     half_span = b * ((1.0 - steps.flexed) + steps.flexed * pose.stroke.span_ratio)
     per_wind = bird.density_kg_m3 * bird.circulation_m2_s * steps.circulation(bird.circulation_ratio)
     force = np.zeros(2)
@@ -180,28 +186,24 @@ def _gauss_force(bird: Bird, ahead: Stroke, pose: Pose, model: WakeModel) -> NDA
     return force
 
 
-def _endless_force(bird: Bird, ahead: Stroke, pose: Pose, model: WakeModel) -> NDArray[np.float64]:
+def _endless_force(
+    bird: Bird, ahead: Stroke, pose: Pose, model: WakeModel, leader: Bird, phase_lock: bool
+) -> NDArray[np.float64]:
     """Return lift and thrust behind an endless wake, which goes by the spatial phase x/λ − κ."""
-    steps, b = wingbeat_steps(model), bird.semispan_m
-    shed = (
-        ahead.amplitude_m,
-        ahead.span_ratio,
-        b,
-        bird.wavelength_m,
-        bird.circulation_m2_s,
-        bird.circulation_ratio,
-    )
+    steps, b = wingbeat_steps(model, phase_lock), bird.semispan_m
+    shed = shed_by(leader, ahead)
     windows = endless_window(True, *shed), endless_window(False, *shed)
     half_span = b * ((1.0 - steps.flexed) + steps.flexed * pose.stroke.span_ratio)
     wind = endless_wind(
         windows,
-        pose.x_m / bird.wavelength_m - pose.phase,
+        pose.x_m / leader.wavelength_m - pose.phase if phase_lock else 0.0,
         (pose.y_m, pose.z_m),
         pose.stroke.amplitude_m,
         half_span,
-        bird.wavelength_m,
-        model.core_radius_ratio * b,
+        leader.wavelength_m,
+        model.core_radius_ratio * leader.semispan_m,
         model,
+        steps,
     )
     per_wind = bird.density_kg_m3 * bird.circulation_m2_s * steps.circulation(bird.circulation_ratio)
     return np.asarray((steps.weight * per_wind * 2.0 * half_span) @ wind)
@@ -212,13 +214,18 @@ def wake_force(
     ahead: Stroke,
     pose: Pose,
     model: WakeModel | None = None,
+    *,
+    leader: Bird | None = None,
+    phase_lock: bool = True,
 ) -> tuple[float, float]:
     """Return the wake-induced lift and thrust in N, averaged over a wingbeat (eqn:total_induced_force).
 
     Parameters
     ----------
-    bird, ahead, pose, model
+    bird, ahead, pose, model, leader
         As for `state_forces`.
+    phase_lock : bool
+        Whether the follower beats in step with its leader; else the force is averaged over all its phases.
 
     Returns
     -------
@@ -233,14 +240,15 @@ def wake_force(
     >>> round(lift, 2), round(thrust, 2)
     (0.4, 0.53)
     """
-    model = model or WakeModel()
+    model, leader = model or WakeModel(), leader or bird
     if model.is_endless:
-        lift, thrust = _endless_force(bird, ahead, pose, model)
+        lift, thrust = _endless_force(bird, ahead, pose, model, leader, phase_lock)
     elif model.stroke_rule == "gauss":
-        lift, thrust = _gauss_force(bird, ahead, pose, model)
+        lift, thrust = _gauss_force(bird, ahead, pose, model, leader, phase_lock)
     else:
-        forces = state_forces(bird, ahead, pose, model)
-        lift, thrust = np.tensordot(phase_weights(pose.phase, model.stroke_states), forces, axes=2)
+        forces, states = state_forces(bird, ahead, pose, model, leader=leader), model.stroke_states
+        weights = phase_weights(pose.phase, states) if phase_lock else mean_phase_weights(states)
+        lift, thrust = np.tensordot(weights, forces, axes=2)
     return float(lift), float(thrust)
 
 

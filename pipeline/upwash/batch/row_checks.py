@@ -11,10 +11,12 @@ from collections.abc import Callable, Sequence
 
 from upwash import columns as of
 from upwash.errors import UpwashError
+from upwash.jobs.flock import Flock
 from upwash.jobs.job import BUILT_IN_SOLVER, job_of
 from upwash.jobs.kinds import KINDS
+from upwash.jobs.pair import Pair
 from upwash.jobs.stored import AGREEMENT, Complaints, is_v_formation, unlike
-from upwash.jobs.verify import evidence_of, makes_a_bird, recompute, walls, why_infeasible
+from upwash.jobs.verify import bounds_of, evidence_of, makes_a_bird, recompute, walls, why_infeasible
 
 RESIDUAL_LIMIT = 1e-9
 """Largest imbalance of lift or thrust, over weight or drag."""
@@ -33,21 +35,24 @@ BOUND_SLACK = 1e-9
 
 NOTHING_FOUND = of.names(of.belonging(of.JOB, of.OPTIMUM))
 DERIVED = of.names(column for column in of.COLUMNS if column.verified == of.DERIVED)
-ASKED = of.names(column for column in of.COLUMNS if column.verified == of.IDENTITY)
+ASKED = {
+    name: of.names(column for column in columns if column.verified == of.IDENTITY)
+    for name, columns in ((Pair.name, of.SUMMARY_COLUMNS), (Flock.name, of.FLOCK_COLUMNS))
+}
 
 
 def identity(rows: Sequence[of.Stored]) -> Complaints:
     """All rows are of one job, whose id follows from its inputs and the model's version."""
-    first = rows[0]
+    first, asked = rows[0], ASKED.get(rows[0]["kind"], ())
     for row in rows:
         if row["status"] not in of.STATUSES:
             yield "status", f"expected one of {', '.join(of.STATUSES)}, found {row['status']!r}"
-        for name in ASKED:
+        for name in asked:
             if name in row and row[name] != first[name]:
                 yield name, f"expected {first[name]!r} as in the job's first row, found {row[name]!r}"
         if row.get("flock_id", row["job_id"]) != row["job_id"]:
             yield "flock_id", f"expected the job's id, found {row['flock_id']!r}"
-    for name in ASKED:
+    for name in asked:
         if name in first and first[name] is None and of.column(name).absent == of.NEVER:
             yield name, "expected an input of the job, found none"
     try:
@@ -148,13 +153,10 @@ def residuals(rows: Sequence[of.Stored]) -> Complaints:
 
 def bounds(rows: Sequence[of.Stored]) -> Complaints:
     """Every variable lies within its bounds."""
-    kind = job_of(rows[0]).kind
-    for row in rows:
-        if row.get("x_m") is None:
-            continue
-        for name, (low, high) in kind.bounds(row).items():
+    for row, bounds in zip(rows, bounds_of(rows), strict=True):
+        for name, (low, high) in bounds.items():
             slack = BOUND_SLACK * (high - low)
-            if not low - slack <= row[name] <= high + slack:
+            if row[name] is not None and not low - slack <= row[name] <= high + slack:
                 yield name, f"expected {low:.6g} to {high:.6g}, found {row[name]:.9g}"
 
 

@@ -73,6 +73,11 @@ def brought_up(table: pa.Table, schema: pa.Schema) -> pa.Table:
     return table.select([name for name in names if name in table.column_names])
 
 
+def _forms(schema: pa.Schema) -> list[tuple[str, pa.DataType, bytes | None]]:
+    """Return name, type and unit of each column."""
+    return [(field.name, field.type, (field.metadata or {}).get(b"unit")) for field in schema]
+
+
 def _is_later(name: str) -> bool:
     return any(column.since > of.OLDEST_READ for column in of.COLUMNS if column.name == name)
 
@@ -303,7 +308,10 @@ def open_table(path: Path, schema: pa.Schema, data: bytes | None = None) -> pq.P
             expected = pa.schema(
                 [field for field in expected if field.name in found.names or not _is_later(field.name)]
             )
-        if (is_ours or is_older) and without_own(found).equals(expected, check_metadata=True):
+        if is_ours and without_own(found).equals(expected, check_metadata=True):
+            return file
+        # What a column means may have been put into other words since.
+        if is_older and _forms(without_own(found)) == _forms(expected):
             return file
     if not is_ours and not is_older:
         remedy = "take another results folder, or the version of Upwash that wrote it"

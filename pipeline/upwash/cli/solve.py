@@ -13,6 +13,7 @@ from upwash.cli.printing import as_json
 from upwash.cli.streams import at_work
 from upwash.optimum.settings import FLOCK_CHOICES
 from upwash.species import AMPLITUDE_CONVENTIONS
+from upwash.sweep.choices import SPEEDS
 
 amplitude_option = click.option(
     "--amplitude",
@@ -72,8 +73,27 @@ def problem(
     return with_options
 
 
+phase_lock_option = click.option(
+    "--phase-lock/--no-phase-lock",
+    default=True,
+    show_default=True,
+    help="Whether birds beat in step, in the period of the one ahead, or each in its own, averaged over all phases.",
+)
+
+
 @click.command()
 @problem()
+@click.option(
+    "--leader", metavar="SPECIES", help="The bird ahead, if it is another; it shares airspeed and air."
+)
+@click.option(
+    "--speed-of",
+    type=click.Choice(SPEEDS),
+    default=SPEEDS[0],
+    show_default=True,
+    help="Whose own airspeed both fly at, if the leader is another bird.",
+)
+@phase_lock_option
 @click.option(
     "--distance-m",
     type=float,
@@ -85,7 +105,8 @@ def problem(
 def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chosen: Any) -> None:
     """Find the best positions of one bird behind another, and prove how good they are.
 
-    SPECIES is a name in the library or the path of a TOML file. That no follower can fly is a result like any
+    SPECIES, the follower, is a name in the library or the path of a TOML file; its leader is alike if no other is
+    named. Savings are of the follower flying alone at that speed. That no follower can fly is a result like any
     other. Behind an endless wake what is saved is told for both laws of the follower's span, with the interval
     that the species' own ranges give. JSON holds every optimum, by the columns of solutions.parquet.
 
@@ -94,12 +115,13 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
       upwash optimum northern-bald-ibis --objective power
       upwash optimum ./mybird.toml --set speed_m_s=12 --all
       upwash optimum northern-bald-ibis --model limit --objective power --distance-m 1.2
+      upwash optimum common-starling --leader mute-swan --no-phase-lock --objective power
     """
     from upwash.jobs.pair import Pair
     from upwash.jobs.run import solve
     from upwash.jobs.schema import table_of
     from upwash.report.answer import answer, job_record
-    from upwash.study.limit_ranges import SAMPLES, SEED, limit_ranges
+    from upwash.study.limit_ranges import SAMPLES, SEED, limit_ranges, pair_in
     from upwash.sweep.single import jobs_within_ranges, single_job
 
     asked = chosen | {"parts": {"distance_m": distance_m}}
@@ -110,7 +132,7 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
     if job.model.is_endless and rows["rank"].notna().any():
         at_work("solving for birds within the species' ranges")
         jobs = jobs_within_ranges(SAMPLES, SEED, kind=Pair, **asked)
-        birds = {law: [(one.bird, one.model) for one in of_law] for law, of_law in jobs.items()}
+        birds = {law: [pair_in(one) for one in of_law] for law, of_law in jobs.items()}
         in_v = bool(rows["is_v_optimum"].eq(True).any())
         ranges = limit_ranges(birds, job.objective, in_v, job.distance_m)
     if json_output:
@@ -149,6 +171,14 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
     show_default=True,
     help="Whose amplitude bounds a bird's: that of the bird that it follows, or a lone bird's.",
 )
+@click.option(
+    "--member",
+    "members",
+    metavar="SPECIES",
+    multiple=True,
+    help="A bird behind the first, from the front; repeat for each. All are like the first if none is named.",
+)
+@phase_lock_option
 @click.option("--joint", is_flag=True, help="Improve all birds together, for the sum of their costs.")
 @as_json
 def flock(wavelengths: str | None, joint: bool, json_output: bool, **chosen: Any) -> None:
@@ -161,6 +191,7 @@ def flock(wavelengths: str | None, joint: bool, json_output: bool, **chosen: Any
     Example:
       upwash flock northern-bald-ibis --birds 6 --objective power
       upwash flock northern-bald-ibis --shape vee --wake all-upstream --joint
+      upwash flock greylag-goose --member barnacle-goose --member barnacle-goose --objective power
     """
     from upwash.errors import UpwashError
     from upwash.jobs.flock import Flock, flock_of
@@ -173,6 +204,9 @@ def flock(wavelengths: str | None, joint: bool, json_output: bool, **chosen: Any
     if joint and job.model.is_endless:
         remedy = "leave out --joint, or give --wavelengths a number"
         raise UpwashError(f"--joint: expected wakes that end, found endless ones; {remedy}")
+    if joint and (chosen["members"] or not chosen["phase_lock"]):
+        remedy = "leave out --joint"
+        raise UpwashError(f"--joint: expected birds that are alike and beat in step, found others; {remedy}")
     at_work("solving")
     chain = table_of(solve(job), job.kind.rows)
     improved = None

@@ -6,11 +6,47 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from upwash.aero.bird import Bird
+from upwash.aero.together import SHARED
 
 # Where a bird's fields are named otherwise in a file: there they tell the lone bird from the follower.
 LEADERS = {"amplitude_m": "leader_amplitude_m", "upstroke_span_ratio": "leader_upstroke_span_ratio"}
 BIRD_COLUMNS = {entry.name: LEADERS.get(entry.name, entry.name) for entry in fields(Bird)}
 """Field of a bird -> the column that holds it."""
+
+
+AHEAD = {name: f"ahead_{name}" for name in BIRD_COLUMNS if name not in SHARED}
+"""Field of the bird ahead in a pair -> the column that holds it; what the two share is not told twice."""
+
+
+@dataclass(frozen=True, slots=True)
+class Companion:
+    """Another bird of a job.
+
+    Parameters
+    ----------
+    species : str
+        Name of its species file, without ``.toml``.
+    bird : Bird
+        The bird, at the speed and in the air of the job's.
+    """
+
+    species: str
+    bird: Bird
+
+    def own(self) -> dict[str, float]:
+        """Return its inputs that it does not share with the job's bird, by field."""
+        return {name: getattr(self.bird, name) for name in AHEAD}
+
+    @classmethod
+    def of(cls, species: str, own: Mapping[str, float], beside: Mapping[str, float]) -> Companion:
+        """Return a companion of its own inputs, and of those that it shares with another bird; both by field.
+
+        Raises
+        ------
+        ValueError
+            If they make no bird.
+        """
+        return cls(species, Bird(**own, **{name: beside[name] for name in SHARED}))
 
 
 @dataclass(frozen=True, slots=True)

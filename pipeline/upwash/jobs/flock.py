@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,8 +14,11 @@ from numpy.typing import NDArray
 
 from upwash import columns as of
 from upwash.aero.bird import Bird
+from upwash.aero.checked import WrongInput
 from upwash.aero.pose import Pose, Stroke
+from upwash.aero.together import in_step
 from upwash.aero.wake import WakeModel
+from upwash.jobs.bird import Companion, NoBird, wavelength_ratio
 from upwash.jobs.kind import Answer, Kind
 from upwash.jobs.schema import of_two, schema_of
 from upwash.jobs.stored import (
@@ -46,10 +50,16 @@ class Flock(Kind):
         How many birds, the first one included.
     rules : FlockRules
         How it is built.
+    members : tuple of Companion
+        The birds behind the first, front to back; none if all are like it.
+    phase_lock : bool
+        Whether all beat in step.
     """
 
     birds: int
     rules: FlockRules = FlockRules()
+    members: tuple[Companion, ...] = ()
+    phase_lock: bool = True
 
     name = "flock"
     file = "flock.parquet"
@@ -58,19 +68,43 @@ class Flock(Kind):
     is_one_problem = False
     choices = {"birds": BIRDS, **FLOCK_CHOICES}
     usual = {"birds": 6, "shape": "echelon", "wake": "neighbour", "reading": "immediate"}
+    companions = ("members",)
     parts = ("wavelengths",)
 
     def __post_init__(self) -> None:
         BIRDS("birds", self.birds)
+        if self.members and len(self.members) != self.birds - 1:
+            raise WrongInput("members", f"{self.birds - 1}, for {self.birds} birds", len(self.members))
 
     @classmethod
     def from_inputs(cls, given: Mapping[str, Any]) -> Self:
-        return cls(
-            given["birds"], FlockRules(**{name: given[name] for name in FLOCK_CHOICES if name in given})
+        rules = FlockRules(**{name: given[name] for name in FLOCK_CHOICES if name in given})
+        members = tuple(
+            Companion.of(one.pop("species"), one, given) for one in json.loads(given.get("members") or "[]")
         )
+        return cls(given["birds"], rules, members, bool(given.get("phase_lock", True)))
 
     def inputs(self) -> of.Row:
-        return {"birds": self.birds, **vars(self.rules)}
+        found: of.Row = {"birds": self.birds, **vars(self.rules), "phase_lock": self.phase_lock}
+        if self.members:
+            found["members"] = json.dumps([{"species": one.species, **one.own()} for one in self.members])
+        return found
+
+    def kinds(self, bird: Bird) -> tuple[Bird, ...]:
+        """Return all birds as they fly alone, given the first."""
+        return (bird, *(one.bird for one in self.members)) if self.members else (bird,) * self.birds
+
+    def kind_of(self, bird: Bird, row: of.Stored) -> Bird:
+        return self.kinds(bird)[row["bird"] - 1]
+
+    def wavelength_ratio(self, bird: Bird | NoBird) -> float:
+        if not isinstance(bird, Bird):
+            return wavelength_ratio(bird)
+        return max(wavelength_ratio(self._flown(bird, number)) for number in range(1, self.birds))
+
+    def _flown(self, bird: Bird, number: int) -> Bird:
+        """Return a bird as it beats."""
+        return in_step(self.kinds(bird)[number - 1], bird, self.phase_lock)
 
     def need_solvable(self, model: WakeModel) -> None:
         need_solvable(model, self.rules)
@@ -90,6 +124,8 @@ class Flock(Kind):
             model=job.model,
             search=job.search,
             distance_m=job.distance_m,
+            members=self.kinds(bird)[1:],
+            phase_lock=self.phase_lock,
         )
 
     @classmethod
@@ -123,23 +159,29 @@ class Flock(Kind):
             return []
         ahead = []
         for number in self.rules.felt_by(row["bird"]):
-            place = Place(self.rules.row_of(number), place_of(rows[number - 1]))
+            pose = place_of(rows[number - 1])
+            place = Place(self.rules.row_of(number), pose, self._flown(bird, number))
             ahead.append(place if self.rules.side_of(row["bird"]) > 0.0 else place.mirrored())
-        limit = bird.amplitude_m if self.rules.reading == "lone" else ahead[-1].pose.stroke.amplitude_m
-        return link_problems(bird, job.objective, tuple(ahead), limit, job.model, job.distance_m)
+        own, lock = self.kind_of(bird, row), self.phase_lock
+        return link_problems(own, job.objective, tuple(ahead), self.rules, job.model, job.distance_m, lock)
 
-    def felt(self, row: of.Stored, rows: Sequence[of.Stored]) -> Iterator[tuple[Stroke, Pose]]:
+    def felt(
+        self, bird: Bird, row: of.Stored, rows: Sequence[of.Stored]
+    ) -> Iterator[tuple[Stroke, Pose, Bird]]:
         if row["bird"] == 1:
             return
-        yield stroke_of(row, "ahead_"), pose_of(row)
+        yield stroke_of(row, "ahead_"), pose_of(row), self._flown(bird, row["leader"])
         for number in self.rules.felt_by(row["bird"])[:-1]:
             other = rows[number - 1]
-            yield stroke_of(other), place_of(row).relative_to(place_of(other))
+            pose = place_of(row).relative_to(place_of(other))
+            yield stroke_of(other), pose, self._flown(bird, number)
 
-    def bounds(self, row: of.Stored) -> dict[str, tuple[float, float]]:
-        ahead = stroke_of(row, "ahead_")
-        limit = row["leader_amplitude_m"] if self.rules.reading == "lone" else ahead.amplitude_m
-        found = bounds_behind(row, ahead, limit)
+    def bounds(self, bird: Bird, row: of.Stored) -> dict[str, tuple[float, float]]:
+        from upwash.optimum.flock_wake import amplitude_limit
+
+        own, ahead = self.kind_of(bird, row), stroke_of(row, "ahead_")
+        leader = self._flown(bird, row["leader"])
+        found = bounds_behind(row, own, ahead, leader, amplitude_limit(own, ahead, leader, self.rules))
         # A flock's birds may fly on either side of the one ahead.
         return found | {"y_m": (-found["y_m"][1], found["y_m"][1])}
 
@@ -160,7 +202,8 @@ class Flock(Kind):
         """Return what shape and birds ahead make of a bird's number, place and flags, by column."""
         number = row["bird"]
         if number == 1:
-            own: of.Row = dict.fromkeys(("x_flock_m", "y_flock_m", "z_flock_m", "phase_flock"), 0.0)
+            own: of.Row = dict.fromkeys(("x_flock_m", "y_flock_m", "z_flock_m"), 0.0)
+            own |= {"phase_flock": 0.0 if self.phase_lock else None}
             return own | {name: rows[0][f"leader_{name}"] for name in ("amplitude_m", "upstroke_span_ratio")}
         ahead = rows[self.rules.leader_of(number) - 1]
         stroke = {
@@ -171,12 +214,15 @@ class Flock(Kind):
         if row["status"] != of.SOLVED:
             return links
         side = self.rules.side_of(number)
-        lag = ahead["phase_flock"] + row["phase"]
-        # By rounding a phase may be next to 0 or next to 1.
-        turns = round(row["phase_flock"] - lag) if 0.0 <= row["phase_flock"] < 1.0 else -math.floor(lag)
+        phase: of.Row = {"phase_flock": None}
+        if self.phase_lock:
+            lag = ahead["phase_flock"] + row["phase"]
+            # By rounding a phase may be next to 0 or next to 1.
+            turns = round(row["phase_flock"] - lag) if 0.0 <= row["phase_flock"] < 1.0 else -math.floor(lag)
+            phase["phase_flock"] = lag + turns
         return links | {
             **{f"{axis}_flock_m": ahead[f"{axis}_flock_m"] + row[f"{axis}_m"] for axis in "xyz"},
-            "phase_flock": lag + turns,
+            **phase,
             "y_m": side * abs(row["y_m"]),
             "is_v_optimum": True,
             "is_global_optimum": row["rank"] == 0,

@@ -18,7 +18,7 @@ from upwash.aero.checked import REACH, WrongInput, one_of
 from upwash.aero.wake import WakeModel
 from upwash.columns import Cell, Row, Stored
 from upwash.errors import UpwashError
-from upwash.jobs.bird import BIRD_COLUMNS, NoBird, bird_of, inputs_of, wavelength_ratio
+from upwash.jobs.bird import BIRD_COLUMNS, NoBird, bird_of, inputs_of
 from upwash.jobs.kind import Kind
 from upwash.jobs.kinds import KINDS
 from upwash.jobs.pair import Pair
@@ -30,7 +30,7 @@ MODEL_VERSION = 2
 BUILT_IN_SOLVER = "upwash"
 """The solver that every sweep uses unless it names another as ``package.module:function``."""
 
-INPUTS = of.names(of.belonging(of.PROBLEM, of.SEARCH, of.FLOCK))
+INPUTS = of.names(of.belonging(of.PROBLEM, of.SEARCH, of.FLOCK, of.AHEAD, of.AHEAD_STROKE))
 """Columns that a job is made of."""
 
 ID_BYTES = 8
@@ -39,7 +39,7 @@ _FLOATS = frozenset(column.name for column in of.COLUMNS if column.type == of.FL
 _PAPER = WakeModel()
 
 # Inputs that came later: a job states what of them differs from the paper's, so that no old id changes.
-_LATER = {name: getattr(_PAPER, name) for name in ("stroke_rule", "core", "span_law")}
+_LATER = {name: getattr(_PAPER, name) for name in ("stroke_rule", "core", "span_law")} | {"phase_lock": True}
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Job:
     amplitude_convention : str
         How the leader's amplitude was chosen: a convention of the species library, or ``given``.
     bird : Bird or NoBird
-        The bird: in a pair the leader, in a flock the first; or inputs that make none.
+        The bird: in a pair the follower, in a flock the first; or inputs that make none.
     model : WakeModel
         How the wakes are resolved.
     search : SearchSettings
@@ -112,7 +112,7 @@ class Job:
             "solver": self.solver,
             "distance_m": self.distance_m,
         }
-        found |= of.told(vars(self.model)) | {"model": self.model.name(wavelength_ratio(self.bird))}
+        found |= of.told(vars(self.model)) | {"model": self.model.name(self.kind.wavelength_ratio(self.bird))}
         return {name: found[name] for name in INPUTS}
 
     @classmethod

@@ -19,6 +19,7 @@ from upwash import columns as of
 from upwash.aero.checked import Rule
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel
+from upwash.jobs.bird import NoBird, wavelength_ratio
 from upwash.jobs.stored import Complaints
 from upwash.optimum.solvable import need_solvable
 
@@ -49,6 +50,8 @@ class Kind(ABC):
         Key of its own table -> what it must be: one of some words, or what a rule says.
     usual : dict
         Key of its own table -> what it is if nothing else is said.
+    companions : tuple of str
+        Keys of its own table that name birds.
     parts : tuple of str
         Parts of the wake's model that may stand in its own table, too.
     later : dict
@@ -62,8 +65,12 @@ class Kind(ABC):
     is_one_problem: ClassVar[bool]
     choices: ClassVar[Mapping[str, Rule | tuple[str, ...]]] = {}
     usual: ClassVar[Mapping[str, Any]] = {}
+    companions: ClassVar[tuple[str, ...]] = ()
     parts: ClassVar[tuple[str, ...]] = ()
     later: ClassVar[of.Row] = {}
+
+    phase_lock: bool = True
+    """Whether followers beat in step with the birds ahead."""
 
     # Its own inputs
 
@@ -91,6 +98,10 @@ class Kind(ABC):
             If it is one; the message names the input.
         """
         need_solvable(model)
+
+    def wavelength_ratio(self, bird: Bird | NoBird) -> float:
+        """Return the greatest wavelength over semispan of the birds that are followed, given the job's bird."""
+        return wavelength_ratio(bird)
 
     # Solving
 
@@ -124,13 +135,22 @@ class Kind(ABC):
     def problems(self, job: Job, bird: Bird, rows: Sequence[of.Stored]) -> list[Sequence[PairProblem]]:
         """Pose the problem of each row again, in one piece of phase or several; none for a bird that leads."""
 
-    @abstractmethod
-    def felt(self, row: of.Stored, rows: Sequence[of.Stored]) -> Iterator[tuple[Stroke, Pose]]:
-        """Give of each bird whose wake a row's bird feels stroke and relative pose, that which it follows first."""
+    def kind_of(self, bird: Bird, row: of.Stored) -> Bird:
+        """Return the bird of a row as it flies alone, given the job's."""
+        return bird
 
     @abstractmethod
-    def bounds(self, row: of.Stored) -> dict[str, tuple[float, float]]:
-        """Return the bounds of a solved row's variables, by column."""
+    def felt(
+        self, bird: Bird, row: of.Stored, rows: Sequence[of.Stored]
+    ) -> Iterator[tuple[Stroke, Pose, Bird]]:
+        """Give of each bird whose wake a row's bird feels stroke, relative pose and bird, that which it follows first.
+
+        `bird` is the job's.
+        """
+
+    @abstractmethod
+    def bounds(self, bird: Bird, row: of.Stored) -> dict[str, tuple[float, float]]:
+        """Return the bounds of a solved row's variables, by column; `bird` is the job's."""
 
     @abstractmethod
     def why_none(self, row: of.Stored, proof: Proof) -> str:

@@ -12,8 +12,10 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from upwash import columns as of
+from upwash.aero.bird import Bird
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel
+from upwash.jobs.bird import AHEAD, Companion, NoBird, wavelength_ratio
 from upwash.jobs.kind import Answer, Kind
 from upwash.jobs.schema import of_two, own_fields, schema_of
 from upwash.jobs.stored import (
@@ -22,11 +24,9 @@ from upwash.jobs.stored import (
     is_v_formation,
     pose_of,
     pose_to_the_right,
-    stroke_of,
 )
 
 if TYPE_CHECKING:
-    from upwash.aero.bird import Bird
     from upwash.jobs.job import Job
     from upwash.optimum.problem import PairProblem
     from upwash.optimum.proof import Proof
@@ -37,7 +37,18 @@ NO_BALANCE = "no balance: no position within the bounds balances lift and thrust
 
 @dataclass(frozen=True)
 class Pair(Kind):
-    """A follower behind a leader; it has no inputs of its own."""
+    """A follower behind a leader.
+
+    Parameters
+    ----------
+    leader : Companion or None
+        The bird ahead, if it is not like the job's own, which follows.
+    phase_lock : bool
+        Whether the follower beats in step with its leader.
+    """
+
+    leader: Companion | None = None
+    phase_lock: bool = True
 
     name = "pair"
     file = "solutions.parquet"
@@ -48,16 +59,33 @@ class Pair(Kind):
 
     @classmethod
     def from_inputs(cls, given: Mapping[str, Any]) -> Self:
-        return cls()
+        leader = None
+        if given.get("ahead_species") is not None:
+            own = {name: given[column] for name, column in AHEAD.items()}
+            leader = Companion.of(given["ahead_species"], own, given)
+        return cls(leader, bool(given.get("phase_lock", True)))
 
     def inputs(self) -> of.Row:
-        return {}
+        found: of.Row = {"phase_lock": self.phase_lock}
+        if self.leader is not None:
+            own = self.leader.own()
+            found |= {"ahead_species": self.leader.species, **{AHEAD[name]: own[name] for name in AHEAD}}
+        return found
+
+    def wavelength_ratio(self, bird: Bird | NoBird) -> float:
+        return wavelength_ratio(bird if self.leader is None else self.leader.bird)
 
     def solve(self, job: Job, bird: Bird) -> Answer:
         from upwash.optimum.pair import solve_pair
 
         solution = solve_pair(
-            bird, job.objective, model=job.model, search=job.search, distance_m=job.distance_m
+            bird,
+            job.objective,
+            model=job.model,
+            search=job.search,
+            distance_m=job.distance_m,
+            leader=self.leader_of(bird),
+            phase_lock=self.phase_lock,
         )
         if solution.status == of.SOLVED:
             return of.SOLVED, "", solution.rows()
@@ -94,22 +122,35 @@ class Pair(Kind):
     def problems(self, job: Job, bird: Bird, rows: Sequence[of.Stored]) -> list[Sequence[PairProblem]]:
         from upwash.optimum.pair import pair_problems
 
-        shared = pair_problems(bird, job.objective, model=job.model, distance_m=job.distance_m)
+        shared = pair_problems(
+            bird,
+            job.objective,
+            model=job.model,
+            distance_m=job.distance_m,
+            leader=self.leader_of(bird),
+            phase_lock=self.phase_lock,
+        )
         return [shared for _ in rows]
 
-    def felt(self, row: of.Stored, rows: Sequence[of.Stored]) -> Iterator[tuple[Stroke, Pose]]:
-        yield stroke_of(row, "leader_"), pose_of(row)
+    def leader_of(self, bird: Bird) -> Bird:
+        """Return the bird ahead of a job's bird."""
+        return self.leader.bird if self.leader is not None else bird
 
-    def bounds(self, row: of.Stored) -> dict[str, tuple[float, float]]:
-        leader = stroke_of(row, "leader_")
-        return bounds_behind(row, leader, leader.amplitude_m)
+    def felt(
+        self, bird: Bird, row: of.Stored, rows: Sequence[of.Stored]
+    ) -> Iterator[tuple[Stroke, Pose, Bird]]:
+        leader = self.leader_of(bird)
+        yield leader.stroke, pose_of(row), leader
+
+    def bounds(self, bird: Bird, row: of.Stored) -> dict[str, tuple[float, float]]:
+        leader = self.leader_of(bird)
+        return bounds_behind(row, bird, leader.stroke, leader, bird.amplitude_m)
 
     def why_none(self, row: of.Stored, proof: Proof) -> str:
         return NO_BALANCE
 
     def whole(self, job: Job, rows: Sequence[of.Stored]) -> Complaints:
         """Optima are distinct and ranked by cost; the first is the global one, the best in the V the V optimum."""
-        from upwash.aero.bird import Bird
         from upwash.optimum.verify import alike, stays_in_v
 
         if rows[0]["rank"] is None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import inf
 
 from upwash import columns as of
+from upwash.aero.bird import Bird
 from upwash.aero.pose import Pose, Stroke
 from upwash.optimum import variables
 from upwash.optimum.endless.problem import DISTANCE
@@ -24,18 +25,18 @@ def stroke_of(row: of.Stored, prefix: str = "") -> Stroke:
 
 def pose_of(row: of.Stored) -> Pose:
     """Return where and how a row's bird flies, relative to the one that it follows."""
-    return Pose(row["x_m"], row["y_m"], row["z_m"], stroke_of(row), row["phase"])
+    return Pose(row["x_m"], row["y_m"], row["z_m"], stroke_of(row), row["phase"] or 0.0)
 
 
 def pose_to_the_right(row: of.Stored) -> Pose:
     """Return the pose of a row's bird as its problem has it, to the right of the one that it follows."""
-    return Pose(row["x_m"], abs(row["y_m"]), row["z_m"], stroke_of(row), row["phase"])
+    return Pose(row["x_m"], abs(row["y_m"]), row["z_m"], stroke_of(row), row["phase"] or 0.0)
 
 
 def place_of(row: of.Stored) -> Pose:
     """Return where and how a row's bird flies, relative to the first of its flock."""
     x, y, z = (row[f"{axis}_flock_m"] for axis in "xyz")
-    return Pose(x, y, z, stroke_of(row), row["phase_flock"])
+    return Pose(x, y, z, stroke_of(row), row["phase_flock"] or 0.0)
 
 
 def is_v_formation(row: of.Stored) -> bool:
@@ -43,26 +44,32 @@ def is_v_formation(row: of.Stored) -> bool:
     return (row.get("placement"), row.get("tier"), row.get("station")) == ("outboard", "level", "astern")
 
 
-def bounds_behind(row: of.Stored, ahead: Stroke, limit_m: float) -> dict[str, tuple[float, float]]:
+def bounds_behind(
+    row: of.Stored, bird: Bird, ahead: Stroke, leader: Bird, limit_m: float
+) -> dict[str, tuple[float, float]]:
     """Return the bounds of a row's variables to the right of the bird ahead, by column.
 
     Parameters
     ----------
     row : mapping
         A solved row.
+    bird : Bird
+        Its bird.
     ahead : Stroke
         How the bird ahead flaps.
+    leader : Bird
+        That bird.
     limit_m : float
         Largest amplitude of the row's bird, in m.
     """
-    wavelength = row["speed_m_s"] * row["period_s"]
+    wavelength = leader.wavelength_m
     x = (0.0, variables.STREAMWISE_REACH * wavelength)
     if row["wavelengths"] == inf:
         # It is the distance asked for.
         x = (row["distance_m"] or DISTANCE * wavelength,) * 2
     return {
         "x_m": x,
-        "y_m": (0.0, variables.SPANWISE_REACH * row["semispan_m"]),
+        "y_m": (0.0, variables.SPANWISE_REACH * max(bird.semispan_m, leader.semispan_m)),
         "z_m": (-ahead.amplitude_m, ahead.amplitude_m),
         "amplitude_m": (variables.LEAST_AMPLITUDE * limit_m, limit_m),
         "upstroke_span_ratio": variables.SPAN_RATIO_BOUNDS,

@@ -59,10 +59,23 @@ def _expected(job: Job, row: of.Stored, rows: Sequence[of.Stored]) -> of.Row:
 
     if isinstance(job.bird, NoBird):
         raise ValueError(f"{job.bird.why}: no bird")
-    felt = list(job.kind.felt(row, rows))
-    ahead, pose = felt.pop(0) if felt else (None, None)
-    found = vars(record(job.bird, job.objective, ahead, pose, job.model, felt))
-    return {name: value for name, value in found.items() if value is not None}
+    bird, felt = job.kind.kind_of(job.bird, row), list(job.kind.felt(job.bird, row, rows))
+    ahead, pose, leader = felt.pop(0) if felt else (None, None, None)
+    lock = job.kind.phase_lock
+    found = vars(record(bird, job.objective, ahead, pose, job.model, felt, leader=leader, phase_lock=lock))
+    return {name: value for name, value in found.items() if value is not None or name in PHASES}
+
+
+def bounds_of(rows: Sequence[of.Stored]) -> list[dict[str, tuple[float, float]]]:
+    """Return the bounds of the variables of each of a job's rows, by column; none of one that found no place."""
+    job = job_of(rows[0])
+    if isinstance(job.bird, NoBird):
+        return [{} for _ in rows]
+    return [job.kind.bounds(job.bird, row) if row.get("x_m") is not None else {} for row in rows]
+
+
+PHASES = ("phase", "spatial_phase")
+"""What a bird that keeps its own beat must not be told to have."""
 
 
 def evidence_of(rows: Sequence[of.Stored]) -> list[of.Row]:

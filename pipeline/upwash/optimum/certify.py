@@ -102,6 +102,8 @@ def certify(
     lows[0, 2:4] -= MARGIN
     highs[0, 2:4] += MARGIN
     limits, centre = Limits(*z, *h), np.empty(VARIABLE_COUNT)
+    # Where phases are averaged none slides, and any end will do.
+    phase_end = problem.phase_span() or 1.0
     # With no incumbent a box is cleared only where no balance is possible.
     best, threshold = incumbent, min(incumbent / (1.0 + tolerance), UNREACHABLE_COST)
     found: Basin | None = None
@@ -119,7 +121,7 @@ def certify(
             problem.lanes,
             problem.first_lanes,
             problem.constants,
-            problem.phase_span(),
+            phase_end,
             centre,
         )
         boxes, left_open = boxes + examined, min(left_open, given_up)

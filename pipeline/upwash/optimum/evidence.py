@@ -15,14 +15,14 @@ starboard, by symmetry, and whether the follower gains by moving aside is told b
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from upwash.aero.compiled.lanes import HEIGHT, NODE, X, Y, Z
+from upwash.aero.compiled.lanes import HEIGHT, NODE, PHASE, X, Y, Z
 from upwash.optimum.compiled.edges import edge_pull
 from upwash.optimum.compiled.pair_descent import FeltLanes, fill_hessian
 from upwash.optimum.compiled.problem import evaluate
@@ -118,7 +118,8 @@ def gather_evidence(problem: PairProblem, felt: FeltLanes, point: NDArray[np.flo
         return edge_pull(point, felt.lanes, felt.group, edge, multipliers)
 
     vicinity = Vicinity(on_edge, normals[on_edge], slopes, pull, hessian)
-    return weigh(point, problem.bounds, vicinity)
+    fixed = [] if problem.phase_span() > 0.0 else [PHASE]
+    return weigh(point, problem.bounds, vicinity, fixed=fixed)
 
 
 def weigh(
@@ -290,11 +291,19 @@ SIDES = (("ahead", "behind"), ("inward", "outward"), ("below", "above"), ("earli
 """To which sides x, y, z and the phase are less and more."""
 
 
+RISES = tuple(
+    entry.name for entry in fields(StatedEvidence) if entry.name.startswith(("slope_", "curvature_"))
+)
+"""Fields of the rise along x, y, z and the phase."""
+
+
 def _rise_in_si(problem: PairProblem, evidence: Evidence) -> dict[str, float | None]:
     """Return how the cost, as a share of the lone bird's, rises by m and by wingbeat, by the columns of the results."""
-    rise = steepness(evidence.vicinity, evidence.held, (X, Y, Z, problem.phase_axis[0]))
-    b, found = problem.bird.semispan_m, dict[str, float | None]()
-    for axis, sides in enumerate(SIDES):
+    # A bird that keeps its own beat has no phase.
+    axes = (X, Y, Z, problem.phase_axis[0])[: len(SIDES) if problem.phase_lock else -1]
+    rise = steepness(evidence.vicinity, evidence.held, axes)
+    b, found = problem.bird.semispan_m, dict[str, float | None](dict.fromkeys(RISES))
+    for axis, sides in enumerate(SIDES[: len(axes)]):
         is_phase = axis == len(SIDES) - 1
         variable, by_phase = problem.phase_axis if is_phase else (axis, 1.0)
         unit = by_phase if is_phase else 1.0 / b

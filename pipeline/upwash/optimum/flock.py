@@ -1,8 +1,8 @@
 """Flocks: each bird flies where it flies best behind the one that it follows.
 
 A flock is built bird by bird, from the front: each follower solves the pair's problem behind birds whose
-place and stroke are settled, and takes its V optimum.  Weight, drag and circulation are those of the first
-bird for all.  A follower without a V optimum ends the flock.
+place and stroke are settled, and takes its V optimum.  Birds are like the first one, or each of its own kind; in step
+all beat in the first one's period.  A follower without a V optimum ends the flock.
 
 The paper bounds a follower's amplitude by h_L in a sentence that can be read in two ways: as that of the bird
 ahead (`immediate`) or as that of a lone bird (`lone`).  The two give different flocks.
@@ -11,17 +11,20 @@ ahead (`immediate`) or as that of a lone bird (`lone`).  The two give different 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 from upwash.aero.bird import Bird
 from upwash.aero.checked import one_of
 from upwash.aero.pose import Pose
 from upwash.aero.power import COST_FUNCTIONS
+from upwash.aero.together import in_step
 from upwash.aero.wake import WakeModel
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.solve import solve_endless_pair
 from upwash.optimum.flock_solution import FlockSolution, Member, on_side
-from upwash.optimum.flock_wake import FlockProblem, Place, flock_problems
+from upwash.optimum.flock_wake import FlockProblem, Place, amplitude_limit, flock_problems
 from upwash.optimum.pieces import solve_pieces
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import Proof, wall_in_words
@@ -42,6 +45,8 @@ def solve_flock(
     model: WakeModel | None = None,
     search: SearchSettings | None = None,
     distance_m: float | None = None,
+    members: Sequence[Bird] = (),
+    phase_lock: bool = True,
 ) -> FlockSolution:
     """Build a flock, each follower at its V optimum behind the birds that are settled.
 
@@ -50,7 +55,7 @@ def solve_flock(
     bird : Bird
         The first bird.
     birds : int
-        Birds in the flock, the first one included.
+        Birds in the flock, the first one included; has no say where there are members.
     objective : str
         Name of a cost function, least for each follower in turn.
     rules : FlockRules, optional
@@ -61,6 +66,11 @@ def solve_flock(
         How long to search, and how closely to prove.
     distance_m : float, optional
         How far behind the one ahead each bird is said to fly where wakes are endless; half a wavelength if not given.
+    members : sequence of Bird
+        The birds behind the first, front to back, at its speed and in its air; all like it if there are none.
+    phase_lock : bool
+        Whether all beat in step, in the first bird's period; else each keeps its own, and wakes are averaged over all
+        phases.
 
     Returns
     -------
@@ -80,18 +90,18 @@ def solve_flock(
     [0.0, 0.17, 0.18]
     """
     one_of(COST_FUNCTIONS)("objective", objective)
-    BIRDS("birds", birds)
+    kinds = (bird, *members) if members else (bird,) * birds
+    BIRDS("birds", len(kinds) if members else birds)
     rules, model, search = rules or FlockRules(), model or WakeModel(), search or SearchSettings()
     need_solvable(model, rules)
-    first = Place(0, Pose(0.0, 0.0, 0.0, bird.stroke, 0.0))
-    members = [Member(1, 0, first)]
-    while len(members) < birds and members[-1].place is not None:
-        number = len(members) + 1
-        ahead = _felt(members, number, rules)
-        limit = (first if rules.reading == "lone" else ahead[-1]).pose.stroke.amplitude_m
-        solution = _solve_link(link_problems(bird, objective, ahead, limit, model, distance_m), search)
-        members.append(_settle(number, rules, ahead[-1], solution))
-    return FlockSolution(bird, objective, rules, model, tuple(members))
+    placed = [Member(1, 0, Place(0, Pose(0.0, 0.0, 0.0, bird.stroke, 0.0), bird))]
+    while len(placed) < len(kinds) and placed[-1].place is not None:
+        number = len(placed) + 1
+        own, ahead = kinds[number - 1], _felt(placed, number, rules)
+        problems = link_problems(own, objective, ahead, rules, model, distance_m, phase_lock)
+        flown = in_step(own, bird, phase_lock)
+        placed.append(_settle(number, rules, ahead[-1], _solve_link(problems, search), flown))
+    return FlockSolution(kinds, objective, rules, model, tuple(placed), phase_lock)
 
 
 def _felt(members: list[Member], number: int, rules: FlockRules) -> tuple[Place, ...]:
@@ -106,34 +116,39 @@ def link_problems(
     bird: Bird,
     objective: str,
     ahead: tuple[Place, ...],
-    limit: float,
+    rules: FlockRules,
     model: WakeModel,
     distance_m: float | None = None,
+    phase_lock: bool = True,
 ) -> tuple[PairProblem, ...]:
     """Pose a follower's problem behind birds that are settled, in one piece of phase or several.
 
     Parameters
     ----------
-    bird, objective, model, distance_m
+    bird : Bird
+        The follower.
+    objective, model, distance_m, phase_lock
         As for `solve_flock`.
     ahead : tuple of Place
         Every bird whose wake is felt, the one that is followed last; if there is one, its place does not matter.
-    limit : float
-        Largest amplitude of the follower, in m.
+    rules : FlockRules
+        Whose amplitude bounds a follower's.
 
     Returns
     -------
     tuple of PairProblem
         The problem of the pair where it is that.
     """
+    stroke, leader = ahead[-1].pose.stroke, ahead[-1].bird or bird
+    limit = amplitude_limit(bird, stroke, leader, rules)
     if len(ahead) == 1:
-        stroke = ahead[0].pose.stroke
+        pair: dict[str, Any] = {"leader": leader, "phase_lock": phase_lock}
         if model.is_endless:
-            return (EndlessProblem(bird, objective, stroke, limit, model, distance_m=distance_m),)
+            return (EndlessProblem(bird, objective, stroke, limit, model, **pair, distance_m=distance_m),)
         if model.wavelengths == 1:
-            return (PairProblem(bird, objective, stroke, limit, model),)
-        ahead = (Place(0, Pose(0.0, 0.0, 0.0, stroke, 0.0)),)
-    return tuple(flock_problems(bird, objective, ahead, limit, model))
+            return (PairProblem(bird, objective, stroke, limit, model, **pair),)
+        ahead = (Place(0, Pose(0.0, 0.0, 0.0, stroke, 0.0), leader),)
+    return tuple(flock_problems(bird, objective, ahead, limit, model, phase_lock))
 
 
 @lru_cache(LINKS_KEPT)
@@ -143,13 +158,13 @@ def _solve_link(problems: tuple[PairProblem, ...], search: SearchSettings) -> Pa
     return solve_pieces(problems, search, proves_all=not isinstance(problems[0], FlockProblem))
 
 
-def _settle(number: int, rules: FlockRules, followed: Place, solution: PairSolution) -> Member:
-    """Give a bird its place: the V optimum, on its side of the bird it follows."""
+def _settle(number: int, rules: FlockRules, followed: Place, solution: PairSolution, flown: Bird) -> Member:
+    """Give a bird its place: the V optimum, on its side of the bird it follows; `flown` is the bird as it beats."""
     best, leader, side = solution.v_optimum, rules.leader_of(number), rules.side_of(number)
     if best is None:
         error = why_none(leader, solution.proof)
         return Member(number, leader, None, None, solution.proof, solution.solve_time_s, error)
-    place = Place(followed.row + 1, best.pose.behind(followed.pose))
+    place = Place(followed.row + 1, best.pose.behind(followed.pose), flown)
     if side < 0.0:
         place = place.mirrored()
     return Member(number, leader, place, on_side(best, side), solution.proof, solution.solve_time_s)

@@ -55,8 +55,8 @@ class FlockSolution:
 
     Attributes
     ----------
-    bird : Bird
-        The first bird, which sets weight, drag and circulation for all.
+    kinds : tuple of Bird
+        The birds as they fly alone, those without a place included.
     objective : str
         What was least for each bird.
     rules : FlockRules
@@ -65,13 +65,21 @@ class FlockSolution:
         Resolution of the wakes.
     members : tuple of Member
         The birds, the first one included.  If there is no place for one, it is the last.
+    phase_lock : bool
+        Whether all beat in step.
     """
 
-    bird: Bird
+    kinds: tuple[Bird, ...]
     objective: str
     rules: FlockRules
     model: WakeModel
     members: tuple[Member, ...]
+    phase_lock: bool = True
+
+    @property
+    def bird(self) -> Bird:
+        """The first bird."""
+        return self.kinds[0]
 
     @property
     def placed(self) -> tuple[Member, ...]:
@@ -112,7 +120,7 @@ class FlockSolution:
         if one.place is None:
             return row | {"status": "infeasible", "error": one.error}
         row |= {f"{axis}_flock_m": getattr(one.place.pose, f"{axis}_m") for axis in "xyz"}
-        row["phase_flock"] = one.place.pose.phase
+        row["phase_flock"] = one.place.pose.phase if self.phase_lock else None
         alone = record(self.bird, self.objective, None, None, self.model)
         return row | (one.optimum.columns() if one.optimum else vars(alone))
 

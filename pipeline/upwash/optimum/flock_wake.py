@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
 from upwash.aero.compiled.lanes import PHASE
-from upwash.aero.interaction import phase_weights
+from upwash.aero.interaction import mean_phase_weights, phase_weights
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
 from upwash.optimum.problem import PairProblem, least_turn
+from upwash.optimum.settings import FlockRules
 
 SAME_PHASE = 1e-12
 """Phases closer than this are one."""
@@ -35,10 +36,13 @@ class Place:
         How many birds of its own line fly ahead of it, 0 for the first bird.
     pose : Pose
         Where it flies relative to the first bird, how it flaps, and its lag behind the first bird.
+    bird : Bird or None
+        The bird, as it flies alone but for its period; like the one that feels its wake if None.
     """
 
     row: int
     pose: Pose
+    bird: Bird | None = None
 
     def mirrored(self) -> Place:
         """Return the place on the other side of the first bird."""
@@ -68,7 +72,7 @@ class FlockProblem(PairProblem):
     @property
     def is_mirrored_in_phase(self) -> bool:
         """Whether the ends of the phase coordinate are planes of symmetry."""
-        return self.is_symmetric
+        return self.phase_lock and self.is_symmetric
 
     def mirrors(self, variable: int, side: int) -> bool:
         """Whether a bound, the lower (0) or the upper (1), is a plane of symmetry: birds further ahead stand aside."""
@@ -76,23 +80,30 @@ class FlockProblem(PairProblem):
 
     def phase(self, coordinate: float) -> float:
         """Phase in [0, 1) at a phase coordinate; in a symmetric problem the lesser of the two equal ones."""
+        if not self.phase_lock:
+            return super().phase(coordinate)
         if self.is_symmetric:
             return 0.5 - coordinate
         return (self.phase_start + coordinate) % 1.0
 
     def coordinate(self, phase: float) -> float:
         """Phase coordinate of a phase in [0, 1); outside 0 to `phase_span` if the phase is not in this piece."""
+        if not self.phase_lock:
+            return super().coordinate(phase)
         if self.is_symmetric:
             return 0.5 - phase
         return least_turn(phase - self.phase_start)
 
     def phase_span(self) -> float:
         """Greatest phase coordinate."""
-        return self.phase_end - self.phase_start
+        return self.phase_end - self.phase_start if self.phase_lock else 0.0
 
     def phase_ramp(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Phase weights of the states of every bird ahead, one after the other."""
         states = self.model.stroke_states
+        if not self.phase_lock:
+            mean = np.tile(mean_phase_weights(states), (len(self.places), 1))
+            return mean, np.zeros_like(mean)
         lags = [one.pose.phase - self.places[-1].pose.phase for one in self.places]
         start = np.concatenate([phase_weights(self.phase_start - lag, states) for lag in lags])
         end = np.concatenate([phase_weights(self.phase_end - lag, states) for lag in lags])
@@ -110,10 +121,31 @@ class FlockProblem(PairProblem):
         row = "" if number == len(self.places) - 1 else str(self.places[number].row)
         return stroke, ("up", "down")[state], row
 
-    def others(self, pose: Pose) -> list[tuple[Stroke, Pose]]:
-        """Of each bird other than the one ahead whose wake is felt, how it flaps, and a pose relative to it."""
+    def others(self, pose: Pose) -> list[tuple[Stroke, Pose, Bird]]:
+        """Of each bird other than the one ahead whose wake is felt: how it flaps, a pose relative to it, the bird."""
         own = pose.behind(self.places[-1].pose)
-        return [(one.pose.stroke, own.relative_to(one.pose)) for one in self.places[:-1]]
+        return [
+            (one.pose.stroke, own.relative_to(one.pose), one.bird or self.bird) for one in self.places[:-1]
+        ]
+
+
+def amplitude_limit(bird: Bird, ahead: Stroke, leader: Bird, rules: FlockRules) -> float:
+    """Return the largest amplitude of a follower, in m: of its own, the share that the bird ahead has of its own.
+
+    Parameters
+    ----------
+    bird : Bird
+        The follower.
+    ahead : Stroke
+        How the bird that it follows flaps.
+    leader : Bird
+        That bird.
+    rules : FlockRules
+        By the reading ``lone`` the follower's own amplitude is the limit.
+    """
+    if rules.reading == "lone":
+        return bird.amplitude_m
+    return ahead.amplitude_m * (bird.amplitude_m / leader.amplitude_m)
 
 
 def superposed_wake(bird: Bird, places: Sequence[Place], model: WakeModel) -> Wake:
@@ -122,7 +154,7 @@ def superposed_wake(bird: Bird, places: Sequence[Place], model: WakeModel) -> Wa
     Parameters
     ----------
     bird : Bird
-        The bird that sets circulation, semispan and wavelength.
+        The follower, in whose semispans the rings are told.
     places : sequence of Place
         Where the birds fly, and how they flap.
     model : WakeModel
@@ -136,13 +168,14 @@ def superposed_wake(bird: Bird, places: Sequence[Place], model: WakeModel) -> Wa
     b, last, states = bird.semispan_m, places[-1].pose, model.stroke_states
     rings, circulation, state, is_upstroke, core_radius = [], [], [], [], []
     for number, one in enumerate(places):
+        shed = one.bird or bird
         wake = vortex_wake(
             one.pose.stroke.amplitude_m / b,
             one.pose.stroke.span_ratio,
-            1.0,
-            bird.wavelength_m / b,
-            bird.circulation_m2_s / b,
-            bird.circulation_ratio,
+            shed.semispan_m / b,
+            shed.wavelength_m / b,
+            shed.circulation_m2_s / b,
+            shed.circulation_ratio,
             model,
         )
         x, y, z = (apart / b for apart in one.pose.relative_to(last).position_m)
@@ -156,13 +189,18 @@ def superposed_wake(bird: Bird, places: Sequence[Place], model: WakeModel) -> Wa
 
 
 def flock_problems(
-    bird: Bird, objective: str, places: tuple[Place, ...], amplitude_limit_m: float, model: WakeModel
+    bird: Bird,
+    objective: str,
+    places: tuple[Place, ...],
+    amplitude_limit_m: float,
+    model: WakeModel,
+    phase_lock: bool = True,
 ) -> list[FlockProblem]:
     """Pose a follower's problem once for each piece of its phase.
 
     Parameters
     ----------
-    bird, objective, amplitude_limit_m, model
+    bird, objective, amplitude_limit_m, model, phase_lock
         As for `upwash.optimum.problem.PairProblem`.
     places : tuple of Place
         Every bird whose wake is felt; the last is the one that is followed.
@@ -180,9 +218,17 @@ def flock_problems(
         if not kinks or lag - kinks[-1] > SAME_PHASE:
             kinks.append(lag)
     whole = FlockProblem(
-        bird, objective, last.stroke, amplitude_limit_m, model, places=places, is_symmetric=True
+        bird,
+        objective,
+        last.stroke,
+        amplitude_limit_m,
+        model,
+        leader=places[-1].bird or bird,
+        phase_lock=phase_lock,
+        places=places,
+        is_symmetric=True,
     )
-    if len(kinks) == 1:
+    if len(kinks) == 1 or not phase_lock:
         return [whole]
     starts = [*kinks, *(kink + 0.5 for kink in kinks)]
     return [

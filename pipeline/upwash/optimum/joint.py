@@ -86,7 +86,16 @@ def improve_together(chain: FlockSolution) -> JointSolution:
     JointSolution
         The improved flock: forces, costs and residuals are recomputed by the plain statement of the model,
         and a flock that is not better by that measure is not taken.
+
+    Raises
+    ------
+    ValueError
+        If the birds are not alike, or do not beat in step.
     """
+    if len(set(chain.kinds)) > 1 or not chain.phase_lock:
+        raise ValueError(
+            "chain: expected birds that are alike and beat in step, as they are improved together, found others"
+        )
     placed = replace(chain, members=chain.placed)
     if len(placed.members) < 2:
         return JointSolution(placed, placed, 0.0)

@@ -18,7 +18,7 @@ from upwash.optimum.compiled.pair_descent import FeltLanes
 from upwash.optimum.compiled.problem import evaluate
 from upwash.optimum.edges import distinct_edges, edge_distances
 from upwash.optimum.flock_solution import FlockSolution
-from upwash.optimum.flock_wake import FlockProblem, Place, flock_problems, superposed_wake
+from upwash.optimum.flock_wake import FlockProblem, Place, amplitude_limit, flock_problems, superposed_wake
 from upwash.optimum.variables import VARIABLE_COUNT
 
 GENERIC = 1e-2
@@ -101,9 +101,8 @@ class Follower:
             The phase's coordinate in it.
         """
         flock = self.flock
-        limit = (
-            places[0] if flock.rules.reading == "lone" else places[self.leader - 1]
-        ).pose.stroke.amplitude_m
+        ahead = places[self.leader - 1].pose.stroke
+        limit = amplitude_limit(flock.bird, ahead, flock.bird, flock.rules)
         pieces = flock_problems(flock.bird, flock.objective, self.ahead(places), limit, flock.model)
         if len(pieces) == 1:
             return pieces[0], abs(phase - 0.5)

@@ -27,19 +27,21 @@ def solve_pair(
     model: WakeModel | None = None,
     search: SearchSettings | None = None,
     distance_m: float | None = None,
+    leader: Bird | None = None,
+    phase_lock: bool = True,
 ) -> PairSolution:
     """Find where and how a follower should fly behind a leader, with all other optima, and prove the best.
 
     Parameters
     ----------
     bird : Bird
-        The bird; in a flock the first one, which sets weight, drag and circulation.
+        The follower, as it flies alone; what it then spends is what savings are shares of.
     objective : str
         Name of a cost function.
     ahead : Stroke, optional
-        How the bird immediately ahead flaps; as the bird does alone if not given.
+        How the bird immediately ahead flaps; as that bird does alone if not given.
     amplitude_limit_m : float, optional
-        Largest amplitude of the follower; that of the bird immediately ahead if not given.
+        Largest amplitude of the follower; if not given its own, or the share of it that the bird ahead has of its own.
     model : WakeModel, optional
         Resolution of the wake: two stroke states and a wake that ends, or an endless wake and the exact span.
     search : SearchSettings, optional
@@ -47,6 +49,11 @@ def solve_pair(
     distance_m : float, optional
         How far behind the leader the follower of an endless wake is said to fly, half a wavelength if not given: the
         phase follows from it, and nothing else.
+    leader : Bird, optional
+        The bird ahead, at the same speed and in the same air; like the follower if not given.
+    phase_lock : bool
+        Whether the follower beats in step with its leader, in its period and at the best phase; else it keeps its own
+        period, and the force of the wake is averaged over all phases.
 
     Returns
     -------
@@ -65,7 +72,16 @@ def solve_pair(
     >>> print(f"{best.x_m:.2f} m behind and {best.y_m:.2f} m aside it saves {best.saving_total:.0%} of its power")
     1.82 m behind and 0.88 m aside it saves 11% of its power
     """
-    problems = pair_problems(bird, objective, ahead, amplitude_limit_m, model or WakeModel(), distance_m)
+    problems = pair_problems(
+        bird,
+        objective,
+        ahead,
+        amplitude_limit_m,
+        model or WakeModel(),
+        distance_m,
+        leader=leader,
+        phase_lock=phase_lock,
+    )
     settings = search or SearchSettings()
     if isinstance(problems[0], EndlessProblem):
         return solve_endless_pair(problems[0], settings)
@@ -79,6 +95,9 @@ def pair_problems(
     amplitude_limit_m: float | None = None,
     model: WakeModel = PAPER,
     distance_m: float | None = None,
+    *,
+    leader: Bird | None = None,
+    phase_lock: bool = True,
 ) -> list[PairProblem]:
     """Pose a pair's problem, in each piece of its phase; parameters and errors are those of `solve_pair`."""
     need_solvable(model)
@@ -90,6 +109,8 @@ def pair_problems(
             ahead,  # type: ignore[arg-type]
             amplitude_limit_m,  # type: ignore[arg-type]
             model,
+            leader=leader,  # type: ignore[arg-type]
+            phase_lock=phase_lock,
             distance_m=distance_m,
         )
         return [endless]
@@ -97,7 +118,17 @@ def pair_problems(
         raise ValueError(
             f"distance_m: expected none, as behind a wake that ends the distance is found, found {distance_m!r}"
         )
-    first = PairProblem(bird, objective, ahead, amplitude_limit_m, model)  # type: ignore[arg-type]
-    # With two states one piece stands for all phases.
+    first = PairProblem(
+        bird,
+        objective,
+        ahead,  # type: ignore[arg-type]
+        amplitude_limit_m,  # type: ignore[arg-type]
+        model,
+        leader=leader,  # type: ignore[arg-type]
+        phase_lock=phase_lock,
+    )
+    # With two states one piece stands for all phases, and where phases are averaged there is no other.
     states = model.stroke_states
-    return [first] if states == 2 else [replace(first, piece=piece) for piece in range(states)]
+    return (
+        [first] if states == 2 or not phase_lock else [replace(first, piece=piece) for piece in range(states)]
+    )

@@ -1,9 +1,9 @@
 """The follower's problem in scaled variables: what may vary, within which bounds, and what must balance.
 
-Lengths are in semispans, forces in weights of the bird, costs in the cost of the lone leader, so birds of any mass pose
-the same problem.  The variables are (x, y, z, h, R, t): position of the follower relative to its leader, its amplitude,
-its upstroke span ratio and the phase coordinate t.  With two stroke states t is μ = |κ − ½| and covers all phases; with
-more, the problem is posed once for each piece of phase in which the weights are linear.
+Lengths are in the follower's semispans, forces in its weights, costs in its cost when it flies alone, so birds of any
+mass pose the same problem.  The variables are (x, y, z, h, R, t): position of the follower relative to its leader, its
+amplitude, its upstroke span ratio and the phase coordinate t.  With two stroke states t is μ = |κ − ½| and covers all
+phases; with more, the problem is posed once for each piece of phase in which the weights are linear.
 
 Two equalities, lift and thrust, hold at every solution; the cost depends on (h, R) alone.
 """
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
 from upwash.aero.compiled.lanes import PHASE, SLIDING, STEADY, Y
-from upwash.aero.interaction import phase_piece, state_circulation_ratio
+from upwash.aero.interaction import mean_phase_weights, phase_piece, state_circulation_ratio
 from upwash.aero.lanes import wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import (
@@ -27,6 +27,7 @@ from upwash.aero.power import (
     induced_power_w,
     parasite_power_w,
 )
+from upwash.aero.together import in_step, need_shared
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
 from upwash.optimum.compiled.problem import Constants
 from upwash.optimum.variables import TABLE, Given, Variable, bounds_of
@@ -39,17 +40,23 @@ class PairProblem:
     Parameters
     ----------
     bird : Bird
-        The first bird of the flock: it sets weight, drag, circulation, wavelength and semispan for all.
+        The follower, as it flies alone: its weight, drag, circulation, span and what it costs.
     objective : str
         Name of a cost function in `upwash.aero.power.COST_FUNCTIONS`.
     ahead : Stroke, optional
-        How the bird immediately ahead flaps; as `bird` does alone if not given.
+        How the bird immediately ahead flaps; as that bird does alone if not given.
     amplitude_limit_m : float, optional
-        Largest amplitude of the follower; that of the bird immediately ahead if not given.
+        Largest amplitude of the follower; if not given the share of its own that the bird ahead has of its own.
     model : WakeModel
-        Resolution of the wake.
+        Resolution of the wake; its core is in semispans of the bird that sheds it.
     piece : int, optional
         Piece of phase, κ = piece/N + t.
+    leader : Bird, optional
+        The bird immediately ahead, which sheds the wake, as it flies alone but for its period; like the follower if
+        not given.
+    phase_lock : bool
+        Whether the follower beats in step with its leader, in its period and at a phase of choice; else it keeps its
+        own period, and the force is averaged over all phases.
 
     Raises
     ------
@@ -64,8 +71,9 @@ class PairProblem:
     amplitude_limit_m: float = None  # type: ignore[assignment]
     model: WakeModel = field(default_factory=WakeModel)
     piece: int = 1
+    leader: Bird = None  # type: ignore[assignment]
+    phase_lock: bool = True
 
-    variables: ClassVar[tuple[Variable, ...]] = TABLE
     distance_is_free: ClassVar[bool] = False
 
     lanes: NDArray[np.float64] = field(init=False, repr=False, compare=False)
@@ -80,17 +88,26 @@ class PairProblem:
             raise ValueError(
                 f"objective: expected one of {', '.join(sorted(COST_FUNCTIONS))}, found {self.objective!r}"
             )
+        if self.leader is None:
+            object.__setattr__(self, "leader", bird)
+        need_shared(bird, self.leader)
         if self.ahead is None:
-            object.__setattr__(self, "ahead", bird.stroke)
+            object.__setattr__(self, "ahead", self.leader.stroke)
         if self.amplitude_limit_m is None:
-            object.__setattr__(self, "amplitude_limit_m", self.ahead.amplitude_m)
-        # The bird's own rules hold for the bird ahead and for the limit.
-        replace(bird, amplitude_m=self.ahead.amplitude_m, upstroke_span_ratio=self.ahead.span_ratio)
+            limit = self.ahead.amplitude_m * (bird.amplitude_m / self.leader.amplitude_m)
+            object.__setattr__(self, "amplitude_limit_m", limit)
+        # A bird's own rules hold for the bird ahead and for the limit.
+        replace(self.leader, amplitude_m=self.ahead.amplitude_m, upstroke_span_ratio=self.ahead.span_ratio)
         replace(bird, amplitude_m=self.amplitude_limit_m)
         for name, value in self._lanes().items():
             object.__setattr__(self, name, value)
         object.__setattr__(self, "constants", self._constants())
         object.__setattr__(self, "bounds", self._bounds())
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """What may vary."""
+        return TABLE
 
     @property
     def cost_function(self) -> CostFunction:
@@ -99,27 +116,31 @@ class PairProblem:
 
     @property
     def leader_cost(self) -> float:
-        """Cost of the lone bird, in the cost function's unit; the unit of cost in the scaled problem."""
+        """Cost of the follower when it flies alone, in its unit: the unit of cost in the scaled problem."""
         return self.cost_function.value(self.bird, self.bird.weight_n, self.bird.drag_n)
 
     @property
     def leader_height(self) -> float:
-        """Amplitude of the bird ahead, in semispans."""
+        """Amplitude of the bird ahead, in the follower's semispans."""
         return self.ahead.amplitude_m / self.bird.semispan_m
 
     @property
     def wavelength(self) -> float:
-        """Wavelength, in semispans."""
-        return self.bird.wavelength_m / self.bird.semispan_m
+        """Wavelength of the wake, in the follower's semispans."""
+        return self.leader.wavelength_m / self.bird.semispan_m
 
     def phase(self, coordinate: float) -> float:
         """Phase κ in [0, 1) at a phase coordinate; with two stroke states the lesser of the two equal ones."""
+        if not self.phase_lock:
+            return 0.0
         if self.is_mirrored_in_phase:
             return 0.5 - coordinate
         return (self.piece / self.model.stroke_states + coordinate) % 1.0
 
     def coordinate(self, phase: float) -> float:
         """Phase coordinate of a phase κ in [0, 1); outside 0 to `phase_span` if the phase is not in this piece."""
+        if not self.phase_lock:
+            return 0.0
         if self.is_mirrored_in_phase:
             return 0.5 - phase
         return least_turn(phase - self.piece / self.model.stroke_states)
@@ -127,7 +148,7 @@ class PairProblem:
     @property
     def is_mirrored_in_phase(self) -> bool:
         """Whether the ends of the phase coordinate are planes of symmetry."""
-        return self.model.stroke_states == 2 and self.piece == 1
+        return self.phase_lock and self.model.stroke_states == 2 and self.piece == 1
 
     @property
     def phase_axis(self) -> tuple[int, float]:
@@ -145,20 +166,23 @@ class PairProblem:
         return vortex_wake(
             self.leader_height,
             self.ahead.span_ratio,
-            1.0,
+            self.leader.semispan_m / self.bird.semispan_m,
             self.wavelength,
-            self.bird.circulation_m2_s / self.bird.semispan_m,
-            self.bird.circulation_ratio,
+            self.leader.circulation_m2_s / self.bird.semispan_m,
+            self.leader.circulation_ratio,
             self.model,
         )
 
     def phase_ramp(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Phase weights β₀ and β₁ of the wake's states (rows) and the follower's, linear in the coordinate."""
+        if not self.phase_lock:
+            mean = mean_phase_weights(self.model.stroke_states)
+            return mean, np.zeros_like(mean)
         return phase_piece(self.piece, self.model.stroke_states)
 
     def phase_span(self) -> float:
         """Greatest phase coordinate."""
-        return 1.0 / self.model.stroke_states
+        return 1.0 / self.model.stroke_states if self.phase_lock else 0.0
 
     def ring_parts(self, ring: int) -> tuple[str, ...]:
         """Say of a ring of `wake` by which stroke and in which state it was shed."""
@@ -172,8 +196,8 @@ class PairProblem:
         b = self.bird.semispan_m
         return Pose(x * b, y * b, z * b, Stroke(amplitude * b, ratio), self.phase(coordinate))
 
-    def others(self, pose: Pose) -> list[tuple[Stroke, Pose]]:
-        """Of each bird other than the one ahead whose wake is felt, how it flaps, and a pose relative to it."""
+    def others(self, pose: Pose) -> list[tuple[Stroke, Pose, Bird]]:
+        """Of each bird other than the one ahead whose wake is felt: how it flaps, a pose relative to it, the bird."""
         return []
 
     def lanes_weighed(self, steady: NDArray[np.float64], sliding: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -200,7 +224,8 @@ class PairProblem:
     def _constants(self) -> Constants:
         bird, cost = self.bird, self.cost_function
         alone = bird.lift_span(bird.upstroke_span_ratio)
-        thrust_unit = 1.0 / (self.wavelength * alone)
+        flown = in_step(bird, self.leader, self.phase_lock)
+        thrust_unit = 1.0 / (flown.wavelength_m / flown.semispan_m * alone)
         scale = 1.0 / (self.leader_cost * (bird.speed_m_s if cost.per_metre else 1.0))
         return Constants(
             lift_fixed=bird.lift_span(0.0) / alone,
@@ -216,7 +241,9 @@ class PairProblem:
 
     def _bounds(self) -> NDArray[np.float64]:
         limit = self.amplitude_limit_m / self.bird.semispan_m
-        return bounds_of(self.variables, Given(self.wavelength, self.leader_height, limit, self.phase_span()))
+        widest = max(1.0, self.leader.semispan_m / self.bird.semispan_m)
+        given = Given(self.wavelength, self.leader_height, limit, self.phase_span(), widest)
+        return bounds_of(self.variables, given)
 
     def v_bounds(self) -> NDArray[np.float64]:
         """Bounds of the part of the problem that is outboard, level and astern, where a V optimum is sought.
@@ -243,10 +270,10 @@ TURN_ROUNDING = 1e-9
 """By how much a phase may lie before its piece, in wingbeats."""
 
 ASTERN = 1.0
-"""Least streamwise distance, in semispans, of a follower that its leader does not feel."""
+"""Least streamwise distance, in its own semispans, of a follower that its leader does not feel."""
 
 OUTBOARD = 1.0
-"""Least spanwise distance, in semispans, of a follower outboard of its leader."""
+"""Least spanwise distance, in its own semispans, of a follower outboard of its leader."""
 
 LEVEL = 0.5
-"""Largest vertical distance, in amplitudes of the first bird, of a follower level with its leader."""
+"""Largest vertical distance, in amplitudes of its own when it flies alone, of a follower level with its leader."""

@@ -13,6 +13,7 @@ from upwash.aero.bird import Bird
 from upwash.aero.interaction import wake_force
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS, induced_power_w, parasite_power_w, profile_power_w
+from upwash.aero.together import in_step
 from upwash.aero.wake import WakeModel
 from upwash.aero.wake_energy import wake_power_w
 from upwash.optimum.problem import ASTERN, LEVEL, OUTBOARD
@@ -86,14 +87,17 @@ def record(
     ahead: Stroke | None,
     pose: Pose | None,
     model: WakeModel,
-    others: Iterable[tuple[Stroke, Pose]] = (),
+    others: Iterable[tuple[Stroke, Pose, Bird]] = (),
+    *,
+    leader: Bird | None = None,
+    phase_lock: bool = True,
 ) -> Record:
     """Return what follows from how and where a bird flies.
 
     Parameters
     ----------
     bird : Bird
-        The first bird of the flock, which sets weight, drag and circulation for all.
+        The bird, as it flies alone: what it spends then is what savings are shares of.
     objective : str
         Name of a cost function.
     ahead : Stroke or None
@@ -103,8 +107,12 @@ def record(
         flies as one alone.
     model : WakeModel
         Resolution of the wakes.
-    others : iterable of (Stroke, Pose)
-        Of each other bird whose wake it feels, how that one flaps, and its own pose relative to it.
+    others : iterable of (Stroke, Pose, Bird)
+        Of each other bird whose wake it feels, how that one flaps, its own pose relative to it, and the bird.
+    leader : Bird, optional
+        The bird that it follows; like itself if not given.
+    phase_lock : bool
+        Whether it beats in step with the birds ahead; else it has no phase.
 
     Examples
     --------
@@ -117,11 +125,13 @@ def record(
     0.0
     """
     stroke = pose.stroke if pose else bird.stroke
+    leader = leader or bird
+    flown = in_step(bird, leader, phase_lock)
     # Alone a bird makes its weight and its drag, by their definition.
-    lift, thrust = bird.self_force_n(stroke) if pose else (bird.weight_n, bird.drag_n)
+    lift, thrust = flown.self_force_n(stroke) if pose else (bird.weight_n, bird.drag_n)
     lift_wake = thrust_wake = 0.0
-    for shed, felt in [*([(ahead, pose)] if ahead and pose else []), *others]:
-        force = wake_force(bird, shed, felt, model)
+    for shed, felt, by in [*([(ahead, pose, leader)] if ahead and pose else []), *others]:
+        force = wake_force(bird, shed, felt, model, leader=by, phase_lock=phase_lock)
         lift_wake, thrust_wake = lift_wake + force[0], thrust_wake + force[1]
     own = induced_power_w(bird, lift), profile_power_w(bird, thrust), parasite_power_w(bird)
     alone = induced_power_w(bird, bird.weight_n), profile_power_w(bird, bird.drag_n), parasite_power_w(bird)
@@ -133,8 +143,8 @@ def record(
         z_m=pose.z_m if pose else None,
         amplitude_m=stroke.amplitude_m,
         upstroke_span_ratio=stroke.span_ratio,
-        phase=pose.phase if pose else None,
-        spatial_phase=pose.spatial_phase(bird.wavelength_m) if pose else None,
+        phase=pose.phase if pose and phase_lock else None,
+        spatial_phase=pose.spatial_phase(leader.wavelength_m) if pose and phase_lock else None,
         weight_n=bird.weight_n,
         drag_n=bird.drag_n,
         lift_self_n=lift,
@@ -145,7 +155,7 @@ def record(
         power_profile_w=own[1],
         power_parasite_w=own[2],
         power_total_w=sum(own),
-        power_wake_w=wake_power_w(bird, stroke, model),
+        power_wake_w=wake_power_w(flown, stroke, model),
         leader_power_induced_w=alone[0],
         leader_power_profile_w=alone[1],
         leader_power_parasite_w=alone[2],

@@ -84,6 +84,20 @@ class PairSolution:
         return pd.DataFrame(self.rows())
 
 
+def record_in(problem: PairProblem, pose: Pose) -> Record:
+    """Return what follows from a pose in a problem."""
+    return record(
+        problem.bird,
+        problem.objective,
+        problem.ahead,
+        pose,
+        problem.model,
+        problem.others(pose),
+        leader=problem.leader,
+        phase_lock=problem.phase_lock,
+    )
+
+
 def describe_optimum(
     problem: PairProblem,
     basin: Basin,
@@ -112,7 +126,7 @@ def describe_optimum(
         Whether it is the best of those in a V.
     """
     pose = problem.pose(basin.point)
-    found = record(problem.bird, problem.objective, problem.ahead, pose, problem.model, problem.others(pose))
+    found = record_in(problem, pose)
     return Optimum(
         **vars(found),
         pose=pose,

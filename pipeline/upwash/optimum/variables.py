@@ -1,7 +1,7 @@
 """What may vary of a follower: one table of the six variables of the scaled problem.
 
-Lengths are in semispans.  The order is that of every point, bound and slope: position x, y, z, amplitude h, upstroke
-span ratio R, and the phase coordinate.
+Lengths are in the follower's semispans.  The order is that of every point, bound and slope: position x, y, z, amplitude
+h, upstroke span ratio R, and the phase coordinate.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ STREAMWISE_REACH = 1.5
 """Far bound of x_F − x_L in wavelengths; the paper states none."""
 
 SPANWISE_REACH = 4.0
-"""Far bound of y_F − y_L in semispans; the paper states none."""
+"""Far bound of y_F − y_L in semispans of the wider bird; the paper states none."""
 
 LEAST_AMPLITUDE = 0.25
 """Least amplitude of the follower over the limit above."""
@@ -41,12 +41,15 @@ class Given(NamedTuple):
         Largest amplitude of the follower.
     phase_span : float
         Greatest phase coordinate.
+    widest : float
+        Semispan of the wider of the two birds.
     """
 
     wavelength: float
     amplitude_ahead: float
     amplitude_limit: float
     phase_span: float
+    widest: float = 1.0
 
 
 Bounds = Callable[[Given], tuple[float, float]]
@@ -75,7 +78,7 @@ class Variable(NamedTuple):
 
 TABLE = (
     Variable("x", 0.3, 0.5, lambda given: (0.0, STREAMWISE_REACH * given.wavelength)),
-    Variable("y", 0.3, 0.5, lambda given: (0.0, SPANWISE_REACH)),
+    Variable("y", 0.3, 0.5, lambda given: (0.0, SPANWISE_REACH * given.widest)),
     Variable("z", 0.3, 0.5, lambda given: (-given.amplitude_ahead, given.amplitude_ahead)),
     Variable("h", 0.3, 0.5, lambda given: (LEAST_AMPLITUDE * given.amplitude_limit, given.amplitude_limit)),
     Variable("R", 0.1, 0.1, lambda given: SPAN_RATIO_BOUNDS),
@@ -93,6 +96,12 @@ ENDLESS_TABLE = (
     _MU._replace(neighbourhood=0.0, bounds=lambda given: (0.0, 0.0)),
 )
 """Behind an endless wake: x is X = λΦ, the place in the frozen wake, and takes the place of the phase as well."""
+
+AVERAGED_TABLE = (
+    ENDLESS_TABLE[0]._replace(neighbourhood=0.0, bounds=lambda given: (0.0, 0.0)),
+    *ENDLESS_TABLE[1:],
+)
+"""The same where the force is averaged over all phases, and with them over all X."""
 
 VARIABLE_COUNT = len(TABLE)
 

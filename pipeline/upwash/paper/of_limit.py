@@ -74,6 +74,7 @@ def _force_of(
         bird.wavelength_m,
         model.core_radius_ratio * b,
         model,
+        steps,
     )
     per_wind = bird.density_kg_m3 * bird.circulation_m2_s * steps.circulation(bird.circulation_ratio)
     return np.asarray((steps.weight * per_wind * 2.0 * half_span) @ wind)

@@ -17,7 +17,9 @@ from upwash.report.tables import GLOBAL, V, basins, best_optima, both_optima
 from upwash.report.words import least, percent
 from upwash.study.limit_ranges import LimitRange
 
-OF_THE_JOB = of.names(of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.EFFORT, of.PROOF))
+OF_THE_JOB = of.names(
+    of.belonging(of.OUTCOME, of.PROBLEM, of.AHEAD, of.AHEAD_STROKE, of.SEARCH, of.EFFORT, of.PROOF)
+)
 OF_AN_OPTIMUM = of.names(of.belonging(of.JOB, of.OPTIMUM))
 
 

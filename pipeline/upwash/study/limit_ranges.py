@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -17,7 +17,8 @@ from upwash.aero.bird import Bird
 from upwash.aero.wake import WakeModel
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import EndlessSearch
-from upwash.optimum.record import V_LABELS, record
+from upwash.optimum.record import V_LABELS
+from upwash.optimum.solution import record_in
 from upwash.study.intervals import HIGH, LOW
 
 SAMPLES, SEED = 32, 1
@@ -25,6 +26,33 @@ SAMPLES, SEED = 32, 1
 
 STARTS, OWN_STARTS = 16, 64
 """Descents in each sample, and for the bird itself: of least force there are several basins of nearly one cost."""
+
+
+class PairIn(NamedTuple):
+    """A follower and its leader, and the wake.
+
+    Attributes
+    ----------
+    bird : object
+        The follower; one that is no `Bird` cannot fly.
+    model : WakeModel
+        The wake.
+    leader : object
+        The bird ahead.
+    phase_lock : bool
+        Whether they beat in step.
+    """
+
+    bird: Any
+    model: WakeModel
+    leader: Any
+    phase_lock: bool
+
+
+def pair_in(job: Any) -> PairIn:
+    """Return the birds of a pair's job."""
+    leader = job.kind.leader.bird if job.kind.leader else job.bird
+    return PairIn(job.bird, job.model, leader, job.kind.phase_lock)
 
 
 @dataclass(frozen=True)
@@ -55,7 +83,7 @@ class LimitRange:
 
 
 def limit_ranges(
-    birds: Mapping[str, Sequence[tuple[Any, WakeModel]]],
+    birds: Mapping[str, Sequence[PairIn]],
     objective: str,
     in_v: bool,
     distance_m: float | None = None,
@@ -65,7 +93,7 @@ def limit_ranges(
     Parameters
     ----------
     birds : mapping
-        Span law -> the bird itself and its wake, then its samples and theirs; one that is no `Bird` cannot fly.
+        Span law -> the bird itself behind its leader, then its samples behind theirs.
     objective : str
         Name of a cost function.
     in_v : bool
@@ -76,8 +104,8 @@ def limit_ranges(
     ranges = []
     for law, of_law in birds.items():
         own, *samples = (
-            _savings(bird, model, objective, in_v, distance_m, STARTS if number else OWN_STARTS)
-            for number, (bird, model) in enumerate(of_law)
+            _savings(pair, objective, in_v, distance_m, STARTS if number else OWN_STARTS)
+            for number, pair in enumerate(of_law)
         )
         frame = pd.DataFrame(samples, columns=["total", "cost"]).dropna()
         ends = {
@@ -99,18 +127,25 @@ def limit_ranges(
 
 
 def _savings(
-    bird: Any, model: WakeModel, objective: str, in_v: bool, distance_m: float | None, starts: int
+    pair: PairIn, objective: str, in_v: bool, distance_m: float | None, starts: int
 ) -> tuple[float, float]:
     """Return the savings of total power and of the cost at one bird's best place; NaN if there is none."""
-    if not isinstance(bird, Bird):
+    if not isinstance(pair.bird, Bird):
         return np.nan, np.nan
-    problem = EndlessProblem(bird, objective, model=model, distance_m=distance_m)
+    problem = EndlessProblem(
+        pair.bird,
+        objective,
+        model=pair.model,
+        leader=pair.leader,
+        phase_lock=pair.phase_lock,
+        distance_m=distance_m,
+    )
     search = EndlessSearch(problem, SEED)
     bounds = problem.v_bounds() if in_v else problem.bounds
     if np.any(bounds[:, 0] > bounds[:, 1]):
         return np.nan, np.nan
     for basin in search.descend(search.random_starts(bounds, starts)):
-        found = record(bird, objective, problem.ahead, problem.pose(basin.point), model)
+        found = record_in(problem, problem.pose(basin.point))
         if not in_v or (found.placement, found.tier, found.station) == V_LABELS:
             return found.saving_total, 1.0 - found.cost / found.cost_leader
     return np.nan, np.nan

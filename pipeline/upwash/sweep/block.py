@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
@@ -10,19 +11,30 @@ from typing import Any
 
 from upwash.aero.bird import Bird
 from upwash.aero.checked import WrongInput
+from upwash.aero.together import SHARED
 from upwash.aero.wake import GIVEN, NAMES, WakeModel
 from upwash.errors import UpwashError
-from upwash.jobs.bird import BIRD_COLUMNS, NoBird, bird_of, wavelength_ratio
+from upwash.jobs.bird import AHEAD, BIRD_COLUMNS, Companion, NoBird, bird_of, inputs_of
 from upwash.jobs.job import BUILT_IN_SOLVER, Job
 from upwash.jobs.kind import Kind
 from upwash.optimum.settings import SearchSettings
 from upwash.species import ImpossibleAmplitude, Species
 from upwash.species.species import OF_THE_AMPLITUDE
-from upwash.sweep.choices import MODEL, OF_THE_BIRD, PARTS, STROKE_ANGLE
+from upwash.sweep.choices import (
+    FOLLOWERS,
+    LEADER,
+    LEADERS,
+    MEMBERS,
+    MODEL,
+    OF_THE_BIRD,
+    PARTS,
+    SPEED_OF,
+    STROKE_ANGLE,
+)
 from upwash.sweep.values import Setting, unit_sample
 
 # Where a job's inputs are named otherwise than in a sweep file.
-COLUMN = {"amplitude": "amplitude_convention", **BIRD_COLUMNS}
+COLUMN = {"amplitude": "amplitude_convention", LEADER: "ahead_species", **BIRD_COLUMNS}
 
 Choice = dict[str, Any]
 Point = dict[str, Setting]
@@ -160,10 +172,11 @@ class Block:
     def _job(self, species: Species, choice: Choice, point: Mapping[str, Setting]) -> Job:
         convention = choice["amplitude"]
         is_given = "amplitude_m" in point and not point["amplitude_m"].relative
-        kind = self.kind.from_inputs(choice)
+        point = {**point, **_speed(species, choice, point)}
         bird = _bird(species, convention, point)
+        kind = self.kind.from_inputs(choice | _companions(species, bird, convention, choice))
         try:
-            model = _model(bird, point)
+            model = _model(kind.wavelength_ratio(bird), point)
             if self.solver == BUILT_IN_SOLVER:
                 kind.need_solvable(model)
             return Job(
@@ -181,10 +194,50 @@ class Block:
             raise UpwashError(f"{species.slug}: {error}; correct it", field=error.name) from error
 
 
-def _model(bird: Bird | NoBird, point: Mapping[str, Setting]) -> WakeModel:
-    """Return the model of the wake with the steps that its core and the bird's wavelength need, unless they are set."""
+def _speed(species: Species, choice: Choice, point: Mapping[str, Setting]) -> Point:
+    """Return the speed at which two birds fly together, if it is not the follower's own or one that is set."""
+    leader, of = choice.get(LEADER), choice.get(SPEED_OF, FOLLOWERS)
+    if leader is None or of == FOLLOWERS:
+        return {}
+    if "speed_m_s" in point:
+        raise UpwashError(
+            f"{species.slug}, {SPEED_OF}: expected either whose speed it is or a speed, found {of!r} and "
+            "speed_m_s; leave one out",
+            field=SPEED_OF,
+        )
+    own, other = species.inputs()["speed_m_s"], leader.inputs()["speed_m_s"]
+    return {"speed_m_s": Setting(other if of == LEADERS else 0.5 * (own + other))}
+
+
+def _companions(species: Species, bird: Bird | NoBird, convention: str, choice: Choice) -> dict[str, Any]:
+    """Return the inputs, by column, that say which other birds fly with a job's, in its air and at its speed."""
+    shared = {name: value for name, value in inputs_of(bird).items() if name in SHARED}
+
+    def beside(other: Species) -> Bird:
+        own = other.inputs()
+        return other.bird(convention, **{name: value for name, value in shared.items() if own[name] != value})
+
+    if choice.get(LEADER) is not None:
+        leader = choice[LEADER]
+        ahead = beside(leader)
+        # A leader that is like its follower is none of its own.
+        if ahead == bird:
+            return {}
+        own = Companion(leader.slug, ahead).own()
+        return {**shared, "ahead_species": leader.slug, **{AHEAD[name]: own[name] for name in own}}
+    if choice.get(MEMBERS):
+        others = [Companion(one.slug, beside(one)) for one in choice[MEMBERS]]
+        if all(one.bird == bird for one in others):
+            return {"birds": len(others) + 1}
+        told = [{"species": one.species, **one.own()} for one in others]
+        return {**shared, "birds": len(others) + 1, "members": json.dumps(told)}
+    return {}
+
+
+def _model(wavelength_ratio: float, point: Mapping[str, Setting]) -> WakeModel:
+    """Return the model of the wake with the steps that its core and the wavelength need, unless they are set."""
     model = model_of(point)
-    return model if "stroke_states" in point else model.resolving(wavelength_ratio(bird))
+    return model if "stroke_states" in point else model.resolving(wavelength_ratio)
 
 
 def model_of(point: Mapping[str, Setting]) -> WakeModel:

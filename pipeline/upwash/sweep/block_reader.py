@@ -13,16 +13,30 @@ from upwash.errors import UpwashError
 from upwash.jobs.job import Job
 from upwash.jobs.kind import Kind
 from upwash.jobs.kinds import KINDS
+from upwash.jobs.pair import Pair
 from upwash.species import AMPLITUDE_CONVENTIONS, Species, load_library, load_species
 from upwash.species.file import did_you_mean
 from upwash.sweep.block import Axis, Block, Condition, Sample
-from upwash.sweep.choices import CHOICES, MODEL, NOT_TOLD, PARAMETERS, UNSCALED, WORDED, rule_of
+from upwash.sweep.choices import (
+    CHOICES,
+    LEADER,
+    MEMBERS,
+    MODEL,
+    NOT_TOLD,
+    PARAMETERS,
+    PHASE_LOCK,
+    SPEED_OF,
+    SPEEDS,
+    UNSCALED,
+    WORDED,
+    rule_of,
+)
 from upwash.sweep.entry import Entry
 from upwash.sweep.values import MAX_POINTS, SAMPLERS, Setting, is_number, sampling_range, settings
 
 DEFAULTS: dict[str, Any] = {"objective": "force", "amplitude": "stroke-angle", "seed": 0, "tolerance": 1e-4}
 SAMPLE_KEYS = ("method", "count", "seed", "within", "parameters", "ranges")
-TEXT_INPUTS = ("species", "objective", "amplitude")
+TEXT_INPUTS = ("species", LEADER, "objective", "amplitude")
 MAX_JOBS = 1_000_000
 SAMPLES = whole_from(1, MAX_POINTS, "a sweep has no more jobs")
 
@@ -30,7 +44,20 @@ SAMPLES = whole_from(1, MAX_POINTS, "a sweep has no more jobs")
 def block_keys() -> tuple[str, ...]:
     """Return the keys of a block; some kinds of jobs have a table of their own."""
     of_kinds = (kind.name for kind in KINDS.values() if kind.choices)
-    return ("species", *DEFAULTS, MODEL, "fixed", "grid", "zip", "sample", "exclude", *of_kinds)
+    return (
+        "species",
+        *DEFAULTS,
+        LEADER,
+        SPEED_OF,
+        PHASE_LOCK,
+        MODEL,
+        "fixed",
+        "grid",
+        "zip",
+        "sample",
+        "exclude",
+        *of_kinds,
+    )
 
 
 @dataclass(frozen=True)
@@ -69,7 +96,7 @@ class BlockReader:
         block = Block(
             kind=self.kind,
             solver=self.solver,
-            species=self.species(table, keys),
+            species=self.first_birds(table, keys),
             choices=self.choices(table, keys),
             fixed={name: one.settings[0] for name, one in fixed.items()},
             axes=[_points(axis) for axis in axes],
@@ -90,6 +117,36 @@ class BlockReader:
         if keys["species"].value == "all":
             return load_library()
         return [self.load(entry) for entry in keys["species"].each()]
+
+    def first_birds(self, table: Entry, keys: dict[str, Entry]) -> list[Species]:
+        """Return the birds that jobs are of: the species, or the first member of a flock."""
+        members = self.own_table(keys).get(MEMBERS)
+        if members is None:
+            return self.species(table, keys)
+        if "species" in keys:
+            raise members.error("expected either species or the members of a flock, found both; delete one")
+        return [self.load(members.each()[0])]
+
+    def companions(self, keys: dict[str, Entry]) -> dict[str, list[Any]]:
+        """Return what says which birds fly together, by its key."""
+        choices: dict[str, list[Any]] = {}
+        if PHASE_LOCK in keys:
+            choices[PHASE_LOCK] = [entry.truth() for entry in keys[PHASE_LOCK].each()]
+        of_a_pair = [name for name in (LEADER, SPEED_OF) if name in keys]
+        if of_a_pair and self.kind.name != Pair.name:
+            raise keys[of_a_pair[0]].error(
+                "expected no such key in a sweep of flocks, whose birds are told by [flock] members; delete it"
+            )
+        if SPEED_OF in keys and LEADER not in keys:
+            raise keys[SPEED_OF].error("expected a leader beside it, whose speed may differ; add leader =")
+        if LEADER in keys:
+            entry = keys[LEADER]
+            choices[LEADER] = (
+                load_library() if entry.value == "all" else [self.load(one) for one in entry.each()]
+            )
+        if SPEED_OF in keys:
+            choices[SPEED_OF] = [entry.one_of(SPEEDS) for entry in keys[SPEED_OF].each()]
+        return choices
 
     def load(self, entry: Entry) -> Species:
         """Load one species; a path is taken from the sweep file's own folder."""
@@ -114,7 +171,14 @@ class BlockReader:
                 f'expected no such table in a sweep of {self.kind.name}s; write kind = "{other}" at the top'
             )
             raise keys[other].error(message)
+        choices |= self.companions(keys)
         own = self.own_table(keys)
+        if MEMBERS in own:
+            choices[MEMBERS] = [[self.load(one) for one in own[MEMBERS].each()[1:]]]
+            if not choices[MEMBERS][0]:
+                raise own[MEMBERS].unexpected("the names of two birds or more, the first one's first")
+            if "birds" in own:
+                raise own["birds"].error("expected no number beside the members, which tell it; delete it")
         for key, usual in self.kind.usual.items():
             rule = self.kind.choices[key]
             choices[key] = [
@@ -126,7 +190,8 @@ class BlockReader:
     def own_table(self, keys: dict[str, Entry]) -> dict[str, Entry]:
         """Return what the table of the sweep's kind holds, if there is one."""
         kind = self.kind
-        return keys[kind.name].table((*kind.choices, *kind.parts)) if kind.name in keys else {}
+        known = (*kind.choices, *kind.companions, *kind.parts)
+        return keys[kind.name].table(known) if kind.name in keys else {}
 
     def named(self, keys: dict[str, Entry]) -> Iterator[tuple[str, Entry]]:
         """Give the parameters that have a key elsewhere than in the tables of parameters: of the wake's model."""
@@ -138,7 +203,8 @@ class BlockReader:
     def exclusion(self, entry: Entry) -> dict[str, Condition]:
         """Return the conditions that a job must all meet to be left out."""
         told = (name for name in PARAMETERS if name not in NOT_TOLD)
-        names = ("species", *DEFAULTS, *self.kind.choices, *told)
+        leader = [LEADER] if self.kind.name == Pair.name else []
+        names = ("species", *DEFAULTS, *leader, *self.kind.choices, *told)
         words = [name for name, rule in self.kind.choices.items() if not isinstance(rule, Rule)]
         texts = {*TEXT_INPUTS, *WORDED, *words}
         conditions = {name: _condition(below, name in texts) for name, below in entry.table(names).items()}

@@ -82,6 +82,12 @@ class Entry:
             raise self.unexpected("text", "put it in quotes")
         return self.value
 
+    def truth(self) -> bool:
+        """Return true or false."""
+        if not isinstance(self.value, bool):
+            raise self.unexpected("true or false")
+        return self.value
+
     def one_of(self, names: Iterable[str]) -> str:
         """Return a text that is one of some names."""
         names = list(names)

@@ -5,7 +5,7 @@ And, around it, those of the birds that the species' own ranges allow.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -21,7 +21,17 @@ from upwash.species import Species, load_species
 from upwash.species.file import did_you_mean, printable
 from upwash.species.species import OF_THE_AMPLITUDE
 from upwash.sweep.block import Block, Sample, model_of
-from upwash.sweep.choices import ALTITUDE, CHOICES, MODEL, OF_THE_BIRD, PARAMETERS
+from upwash.sweep.choices import (
+    ALTITUDE,
+    CHOICES,
+    FOLLOWERS,
+    LEADER,
+    MEMBERS,
+    MODEL,
+    OF_THE_BIRD,
+    PARAMETERS,
+    SPEED_OF,
+)
 from upwash.sweep.values import Setting
 
 
@@ -32,6 +42,8 @@ def single_job(
     amplitude: str,
     model: str | None = None,
     parts: Mapping[str, Any] | None = None,
+    leader: str | None = None,
+    members: Sequence[str] = (),
     **choices: Any,
 ) -> Job:
     """Make the job of one bird.
@@ -50,14 +62,23 @@ def single_job(
         Named model of the wake; the paper's if neither this nor a setting says.
     parts : mapping, optional
         Parts of it, and the distance, by options of their own -> value; None for one that is not given.
+    leader : str, optional
+        Species of the bird ahead in a pair, if it is another.
+    members : sequence of str
+        Species of the birds behind the first of a flock, if they are told.
     **choices
-        Objective, seed, tolerance and, of a flock, birds, shape, wake and reading.
+        Objective, seed, tolerance, whether birds beat in step, of a pair whose speed it is and, of a flock, birds,
+        shape, wake and reading.
 
     Raises
     ------
     UpwashError
         If the species, an input or a value is wrong, or they make no bird.
     """
+    if leader is not None:
+        choices[LEADER] = load_species(leader)
+    if members:
+        choices[MEMBERS] = [load_species(one) for one in members]
     ((job, _),) = _block(kind, species, settings, amplitude, model, parts, choices).jobs()
     return job
 
@@ -133,6 +154,8 @@ def jobs_within_ranges(count: int, points_seed: int, **asked: Any) -> dict[str, 
     """
     kind, amplitude = asked.pop("kind"), asked.pop("amplitude")
     species, settings = asked.pop("species"), asked.pop("settings")
+    if (leader := asked.pop(LEADER, None)) is not None:
+        asked[LEADER] = load_species(leader)
     block = _block(
         kind, species, settings, amplitude, asked.pop("model", None), asked.pop("parts", None), asked
     )
@@ -140,6 +163,8 @@ def jobs_within_ranges(count: int, points_seed: int, **asked: Any) -> dict[str, 
     settled = {*block.fixed, *(OF_THE_AMPLITUDE if is_given else ())}
     if ALTITUDE in block.fixed:
         settled.add("density_kg_m3")
+    if asked.get(SPEED_OF, FOLLOWERS) != FOLLOWERS:
+        settled.add("speed_m_s")
     free = tuple(name for name in block.species[0].ranges(amplitude) if name not in settled)
     fixed = {name: setting for name, setting in block.fixed.items() if name != "span_law"}
     jobs = {}

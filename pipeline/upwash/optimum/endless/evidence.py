@@ -35,6 +35,8 @@ def gather_endless_evidence(problem: EndlessProblem, point: NDArray[np.float64])
     """
     felt, place, room = problem.felt, point.copy(), make_room(problem.felt)
     distances, normals = _edge_distances(problem, point)
+    # X goes round, or has no range as the sixth variable has none.
+    fixed = [PHASE] if problem.phase_lock else [X, PHASE]
     near = np.flatnonzero(np.abs(distances) < REACH)
     side = np.where(distances[near] < ON_EDGE, -1.0, 1.0)
     is_on = np.abs(distances[near]) < ON_EDGE
@@ -44,6 +46,7 @@ def gather_endless_evidence(problem: EndlessProblem, point: NDArray[np.float64])
         seen, balance = side.copy(), new_balance()
         seen[is_on] = -sides
         evaluate_endless(place, felt, problem.constants, room, near, seen, len(near), balance)
+        balance.jacobian[:, fixed] = 0.0
         return balance.gradient, balance.jacobian
 
     def hessian(multipliers: NDArray[np.float64], of_edges: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -59,9 +62,9 @@ def gather_endless_evidence(problem: EndlessProblem, point: NDArray[np.float64])
     def pull(edge: int, multipliers: NDArray[np.float64]) -> float:
         return edge_pull(point, *felt, edge, multipliers, room.force, room.jacobian)
 
+    normals[:, fixed] = 0.0
     vicinity = Vicinity(on_edge, normals[on_edge], slopes, pull, hessian)
-    # X goes round, and the sixth variable has no range.
-    return weigh(point, problem.bounds, vicinity, unbounded=(X,), fixed=(PHASE,))
+    return weigh(point, problem.bounds, vicinity, unbounded=(X,), fixed=fixed)
 
 
 def _edge_distances(

@@ -2,7 +2,8 @@
 
 The variables are (X, y, z, h, R): X = λΦ is the place in the frozen wake, with Φ = x/λ − κ the spatial phase, and takes
 the place of the distance x and of the phase κ, which the force feels through it alone.  A sixth, without meaning and
-without a range, keeps the arrays as wide as those of a pair behind a wake that ends.
+without a range, keeps the arrays as wide as those of a pair behind a wake that ends.  Where the force is averaged over
+all phases X has no range either.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from upwash.optimum.compiled.endless_descent import FeltEndless
 from upwash.optimum.compiled.endless_enclosure import EndlessEnclosure
 from upwash.optimum.endless.bounds import edge_stations, endless_enclosure
 from upwash.optimum.problem import ASTERN, PairProblem
-from upwash.optimum.variables import ENDLESS_TABLE, Variable
+from upwash.optimum.variables import AVERAGED_TABLE, ENDLESS_TABLE, Variable
 
 DISTANCE = 0.5
 """How far behind the leader the follower is said to fly if nothing else is asked for, in wavelengths."""
@@ -34,7 +35,7 @@ class EndlessProblem(PairProblem):
 
     Parameters
     ----------
-    bird, objective, ahead, amplitude_limit_m, model, piece
+    bird, objective, ahead, amplitude_limit_m, model, piece, leader, phase_lock
         As for `PairProblem`; the model's wake is endless and its span exact, and there is one piece.
     distance_m : float, optional
         How far behind the leader the follower is said to fly, which changes nothing but the phase that goes with it:
@@ -46,7 +47,6 @@ class EndlessProblem(PairProblem):
         If a value is out of range, or the model's span is told in points.
     """
 
-    variables: ClassVar[tuple[Variable, ...]] = ENDLESS_TABLE
     distance_is_free: ClassVar[bool] = True
 
     distance_m: float | None = None
@@ -61,14 +61,19 @@ class EndlessProblem(PairProblem):
                 "span_nodes: expected exact, as optima behind an endless wake are searched and proved, "
                 f"found {self.model.span_nodes!r}"
             )
+        super().__post_init__()
         if self.distance_m is not None:
             REACH("distance_m", self.distance_m)
         else:
-            object.__setattr__(self, "distance_m", DISTANCE * self.bird.wavelength_m)
-        super().__post_init__()
+            object.__setattr__(self, "distance_m", DISTANCE * self.leader.wavelength_m)
         object.__setattr__(self, "wake_felt", self._wake_felt())
         object.__setattr__(self, "enclosure", endless_enclosure(self.wake_felt))
         object.__setattr__(self, "stations", edge_stations(self.wake_felt))
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """What may vary."""
+        return ENDLESS_TABLE if self.phase_lock else AVERAGED_TABLE
 
     @property
     def felt(self) -> FeltEndless:
@@ -100,13 +105,16 @@ class EndlessProblem(PairProblem):
         _, y, z, amplitude, ratio, _ = (float(value) for value in point)
         assert self.distance_m is not None
         b = self.bird.semispan_m
-        phase = (self.distance_m / self.bird.wavelength_m - self.spatial_phase(point)) % 1.0
+        phase = (self.distance_m / self.leader.wavelength_m - self.spatial_phase(point)) % 1.0
+        if not self.phase_lock:
+            phase = 0.0
         return Pose(self.distance_m, y * b, z * b, Stroke(amplitude * b, ratio), phase)
 
     def point(self, pose: Pose) -> NDArray[np.float64]:
         """Return a pose in scaled variables."""
         b = self.bird.semispan_m
-        place = pose.spatial_phase(self.bird.wavelength_m) * self.wavelength
+        phase = pose.spatial_phase(self.leader.wavelength_m) if self.phase_lock else 0.0
+        place = phase * self.wavelength
         stroke = pose.stroke
         return self.wrapped(
             np.array([place, pose.y_m / b, pose.z_m / b, stroke.amplitude_m / b, stroke.span_ratio, 0.0])
@@ -121,7 +129,7 @@ class EndlessProblem(PairProblem):
     def proof_bounds(self, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the part of some bounds that stands for all of them by symmetry."""
         found = bounds.copy()
-        if self.is_symmetric and bounds[2, 0] == -bounds[2, 1]:
+        if self.phase_lock and self.is_symmetric and bounds[2, 0] == -bounds[2, 1]:
             found[0] = 0.0, 0.5 * self.wavelength
         return found
 
@@ -137,4 +145,7 @@ class EndlessProblem(PairProblem):
         return {"lanes": np.empty((ROWS, 0))}
 
     def _wake_felt(self) -> EndlessWake:
-        return endless_wake_of(self.bird, self.ahead, self.model, self.bird.weight_n)
+        lock = self.phase_lock
+        return endless_wake_of(
+            self.bird, self.ahead, self.model, self.bird.weight_n, leader=self.leader, phase_lock=lock
+        )

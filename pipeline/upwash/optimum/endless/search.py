@@ -59,7 +59,8 @@ class EndlessSearch(Search):
             Bounds to solve within, all X being taken for bounds; the problem's if not given.
         """
         within = (self.problem.bounds if bounds is None else bounds).copy()
-        within[0] = self.problem.bounds[0] + BEYOND * self.problem.wavelength * np.array([-1.0, 1.0])
+        if self.problem.phase_lock:
+            within[0] = self.problem.bounds[0] + BEYOND * self.problem.wavelength * np.array([-1.0, 1.0])
         self.starts += len(starts)
         found = []
         for basin in self._solve(starts, within):

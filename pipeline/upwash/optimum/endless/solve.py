@@ -27,10 +27,10 @@ from upwash.optimum.endless.search import SHARE, EndlessSearch
 from upwash.optimum.evidence import Evidence, StatedEvidence
 from upwash.optimum.pieces import LEAST_CURVATURE, MOST_PROOFS, STATIONARY
 from upwash.optimum.proof import Proof
-from upwash.optimum.record import V_LABELS, labels, record
+from upwash.optimum.record import V_LABELS, labels
 from upwash.optimum.search import Basin
 from upwash.optimum.settings import SearchSettings
-from upwash.optimum.solution import Optimum, PairSolution
+from upwash.optimum.solution import Optimum, PairSolution, record_in
 from upwash.optimum.variables import VARIABLE_COUNT, VARIABLES
 
 FINER = 4
@@ -258,7 +258,7 @@ def _described(
     """Turn a basin into an optimum in SI units."""
     problem = search.problem
     pose = problem.pose(basin.point)
-    follows = record(problem.bird, problem.objective, problem.ahead, pose, problem.model)
+    follows = record_in(problem, pose)
     return Optimum(
         **{entry.name: getattr(follows, entry.name) for entry in fields(follows)},
         pose=pose,
