@@ -97,6 +97,7 @@ def test_what_changes_the_code_is_compiled_again(small_package, file, old, new, 
     assert run_outer(small_package) == (result, True)
 
 
+@pytest.mark.thorough
 def test_a_kernel_that_moved_to_another_file_is_looked_for_there(small_package):
     assert run_outer(small_package) == (20.0, True)
     (small_package / "inner.py").rename(small_package / "within.py")
@@ -119,6 +120,7 @@ def test_what_changes_no_code_is_not_compiled_again(small_package):
     assert run_outer(moved / "upwash" / "aero") == (20.0, False)
 
 
+@pytest.mark.thorough
 def test_packages_of_different_kernels_share_a_folder_and_no_code(small_package, tmp_path):
     other = tmp_path / "other" / "upwash"
     shutil.copytree(small_package.parent, other)
@@ -151,6 +153,7 @@ print(json.dumps([environment == dict(os.environ), settings == dict(vars(config)
     assert json.loads(done.stdout) == [True, True, "NullCache"]
 
 
+@pytest.mark.thorough
 def test_where_the_package_cannot_be_written_the_users_folder_serves_then_a_temporary_one(
     small_package, tmp_path
 ):
@@ -175,6 +178,7 @@ def test_where_the_package_cannot_be_written_the_users_folder_serves_then_a_temp
     assert run_outer(small_package, quiet, **where) == (20.0, True)
 
 
+@pytest.mark.thorough
 def test_code_that_was_cut_short_is_compiled_again(small_package):
     assert run_outer(small_package) == (20.0, True)
     for path in (small_package.parent / "__pycache__" / "kernels").iterdir():
