@@ -340,3 +340,10 @@ class TestTally:
 
     def test_phases_at_random_have_no_preferred_one(self):
         assert rayleigh(np.arange(20) / 20.0)[3] == pytest.approx(1.0)
+
+
+def test_the_walk_of_the_page_takes_at_most_eight_commands():
+    page = renew_observed.PAGE.read_text(encoding="utf-8")
+    walk = page.partition("## From a bird of one's own to a figure")[2].partition("\n## ")[0]
+    assert 4 <= walk.count("\n$ upwash ") <= 8
+    assert all(f"\n$ upwash {name} " in walk for name in ("species new", "species check", "evaluate", "map"))
