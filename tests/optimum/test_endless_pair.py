@@ -116,6 +116,7 @@ def test_behind_an_endless_wake_the_span_is_exact():
         solve_pair(IBIS, distance_m=2.0)
 
 
+@pytest.mark.thorough
 def test_a_bird_that_sheds_nothing_on_its_upstroke_has_an_answer():
     bird = replace(IBIS, circulation_ratio=0.0)
     for model in (LIMIT, WakeModel()):

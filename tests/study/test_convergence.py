@@ -55,6 +55,7 @@ class TestForces:
         assert row.lift_error > 1.0 and row.thrust_error > 1.0
 
 
+@pytest.mark.thorough
 class TestSavings:
     @pytest.mark.parametrize(("law", "least", "most"), [("stroke", 0.0405, 0.0407), ("tip", 0.0440, 0.0442)])
     def test_of_the_default_are_converged_to_a_thousandth(self, ibis, law, least, most):

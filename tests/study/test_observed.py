@@ -29,7 +29,7 @@ def seen(**columns):
 
 
 class TestOptima:
-    @pytest.mark.parametrize("model", MODELS)
+    @pytest.mark.parametrize("model", ["paper", pytest.param("limit", marks=pytest.mark.thorough)])
     @pytest.mark.parametrize("objective", ["force", "power"])
     @pytest.mark.parametrize("species", ["northern-bald-ibis", "common-eider"])
     def test_each_optimum_gives_back_its_cost_and_its_stroke(self, species, objective, model):

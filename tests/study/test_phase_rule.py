@@ -44,6 +44,7 @@ def rules():
     return {law: (phase_rule(curve), curve) for law, curve in curves.items()}
 
 
+@pytest.mark.thorough
 class TestIbis:
     @pytest.mark.parametrize("law", IN_V)
     def test_both_observed_rules_come_out(self, rules, law):
@@ -94,6 +95,15 @@ class TestIbis:
             assert (flies == (curve["missing"] == "")).all()
             assert (flies == curve["amplitude_m"].notna()).all()
             assert list(curve.columns) == [column.name for column in CURVE]
+
+
+@pytest.mark.parametrize("law", IN_V)
+def test_a_named_model_keeps_its_name_where_a_long_wave_needs_more_steps(law):
+    bird = replace(IBIS, period_s=2.0 * IBIS.period_s)
+    model = LIMIT.resolving(bird.wavelength_m / bird.semispan_m)
+    assert model.stroke_states > LIMIT.stroke_states
+    curve = phase_curve(bird, "power", replace(model, span_law=law), {V: IN_V["stroke"]}, (0.3,), 1)
+    assert set(curve["model"]) == {"limit"} and set(curve["span_law"]) == {law}
 
 
 class TestRule:

@@ -29,7 +29,9 @@ def small():
 
 
 class TestValues:
-    @pytest.mark.parametrize("model", [WakeModel(), LIMIT], ids=["paper", "limit"])
+    @pytest.mark.parametrize(
+        "model", [WakeModel(), pytest.param(LIMIT, marks=pytest.mark.thorough)], ids=["paper", "limit"]
+    )
     def test_a_map_agrees_with_evaluate_at_its_places(self, model):
         found = mapped(model=model, **SMALL | {"size": 3}).frame()
         told = evaluate(IBIS, found[["x_m", "y_m", "z_m", "phase"]], model=model, finds_optimum=False)
