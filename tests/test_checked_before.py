@@ -15,6 +15,7 @@ from upwash.errors import UpwashError
 from upwash.jobs.flock import Flock
 from upwash.jobs.pair import Pair
 from upwash.optimum.settings import FLOCK_CHOICES, FlockRules, SearchSettings
+from upwash.optimum.spacing import UNITS, Spacing
 from upwash.species import AMPLITUDE_CONVENTIONS
 from upwash.species.library import LIBRARY_FOLDER
 from upwash.species.quantity import QUANTITIES
@@ -74,7 +75,10 @@ def assert_refused(text, tmp_path, *words):
 
 def test_what_is_no_input_is_none_but_where_nothing_is_a_value():
     legal = {(name, text) for name in PARAMETERS for text, value in NO_INPUT.items() if is_legal(name, value)}
-    assert legal == {("circulation_ratio", text) for text in ("0", "-0.0", "1e-300")}
+    # Nothing may be shed, the sea is as high as nothing, and wingtips may overlap.
+    nothing = ("0", "-0.0", "1e-300")
+    where = ("circulation_ratio", "altitude_m", "wingtip_gap_min_m")
+    assert legal == {(name, text) for name in where for text in nothing} | {("wingtip_gap_min_m", "-1")}
 
 
 @pytest.mark.parametrize(("name", "text"), BAD_PARAMETERS)
@@ -100,6 +104,10 @@ class TestParameters:
             with pytest.raises(ValueError, match=f"^{name}: expected .*, found "):
                 # In Python it is what endless is elsewhere.
                 WakeModel(**{name: -math.inf if (name, value) == ("wavelengths", math.inf) else value})
+            return
+        if name in UNITS:
+            with pytest.raises(ValueError, match=f"^{name}: expected .*, found "):
+                Spacing(**{name: value})
             return
         if name in ("model", "distance_m"):
             with pytest.raises(ValueError, match=f"^{name}: expected .*, found "):
@@ -290,6 +298,10 @@ ENDS = {
     "birds": (2, 1000),
     "wavelengths": (1, 1000),
     "distance_m": REACH,
+    "x_min_m": REACH,
+    "wingtip_gap_min_m": (-1000.0, 1000.0),
+    "distance_min_m": REACH,
+    "bearing_max_deg": (0.1, 90.0),
 }
 OF_WORDS = [name for name in PARAMETERS if name not in ENDS]
 

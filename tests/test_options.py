@@ -62,6 +62,10 @@ CALLS = {
 }
 # What is chosen where it does not follow from the option's type.
 VALUES = {
+    "--x-min-m": "1.2",
+    "--wingtip-gap-min-m": "-0.2",
+    "--distance-min-m": "1.5",
+    "--bearing-max-deg": "30",
     "--set": "speed_m_s=14",
     "--tolerance": "1e-3",
     "--results": "elsewhere",
@@ -126,6 +130,10 @@ IN_THE_JOB = {
     "--model": ("limit", LIMIT),
     "--wavelengths": ("2", {"model": "given", "wavelengths": 2}),
     "--reading": ("lone", {"reading": "lone"}),
+    "--x-min-m": ("1.2", {"x_min_m": 1.2}),
+    "--wingtip-gap-min-m": ("-0.2", {"wingtip_gap_min_m": -0.2}),
+    "--distance-min-m": ("1.5", {"distance_min_m": 1.5}),
+    "--bearing-max-deg": ("30", {"bearing_max_deg": 30.0}),
 }
 
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from upwash.optimum.flock import solve_flock
     from upwash.optimum.pair import solve_pair
     from upwash.optimum.settings import FlockRules, SearchSettings
+    from upwash.optimum.spacing import Spacing
     from upwash.species import load_species
     from upwash.study.observed.evaluation import evaluate
     from upwash.study.saving_map import map_savings
@@ -32,6 +33,7 @@ __all__ = [
     "FlockRules",
     "Pose",
     "SearchSettings",
+    "Spacing",
     "Stroke",
     "WakeModel",
     "evaluate",
@@ -47,6 +49,7 @@ _HOME = {
     "FlockRules": "upwash.optimum.settings",
     "Pose": "upwash.aero.pose",
     "SearchSettings": "upwash.optimum.settings",
+    "Spacing": "upwash.optimum.spacing",
     "Stroke": "upwash.aero.pose",
     "WakeModel": "upwash.aero.wake",
     "evaluate": "upwash.study.observed.evaluation",

@@ -225,6 +225,7 @@ _COST = "N, W or J/m"
 _outcome = partial(Column, unit="", type=TEXT, agreement=EXACT, belongs=OUTCOME, verified=STATED)
 _id = partial(_outcome, agreement=FOLLOWS, verified=IDENTITY)
 _input = partial(Column, agreement=INPUT, belongs=PROBLEM, verified=IDENTITY)
+_limit = partial(_input, absent=UNASKED, since=3)
 _choice = partial(Column, unit="", type=TEXT, agreement=EXACT, belongs=PROBLEM, verified=IDENTITY)
 _rule = partial(_choice, belongs=FLOCK, listed=(JOBS,))
 _count = partial(Column, unit="1", type=INTEGER, agreement=EXACT, belongs=PROBLEM, verified=IDENTITY)
@@ -252,6 +253,7 @@ _rise = partial(_evidence, agreement=RISE, absent=SOMETIMES, since=3)
 _slope = partial(_rise, unit="1/m", least=-1e-6)
 _curvature = partial(_rise, unit="1/m2", least=-1e-6)
 _restores = partial(_evidence, unit="", type=TRUTH, agreement=EXACT, since=3)
+_price = partial(_evidence, agreement=RISE, absent=SOMETIMES, since=3)
 _lies_on = partial(_evidence, unit="", type=TEXT, agreement=EXACT)
 _bound = partial(Column, unit=_COST, agreement=BOUND, belongs=PROOF, verified=PROVED, absent=SOMETIMES)
 _gap = partial(_bound, unit="1")
@@ -345,6 +347,12 @@ COLUMNS = (
     _unlike("ahead_period_s", "s", "wingbeat period of the bird ahead"),
     _unlike(
         "ahead_circulation_ratio", "1", "upstroke circulation over downstroke circulation of the bird ahead"
+    ),
+    _limit("x_min_m", "m", "least distance behind that a follower keeps, if any"),
+    _limit("wingtip_gap_min_m", "m", "least gap abs(y) - 2 b between wingtips that a follower keeps, if any"),
+    _limit("distance_min_m", "m", "least distance from the bird ahead that a follower keeps, if any"),
+    _limit(
+        "bearing_max_deg", "deg", "greatest angle, seen from above, from its flight to the bird ahead, if any"
     ),
     _count("seed", description="seed of the search", belongs=SEARCH),
     _input("tolerance", "1", "relative gap to which the optimum is to be proved", belongs=SEARCH),
@@ -540,6 +548,18 @@ COLUMNS = (
     ),
     _restores(
         "restores_z", description="whether its lift, as it flaps, rises below its place and falls above"
+    ),
+    _price(
+        "x_min_costs_per_m",
+        unit="1/m",
+        description="what x_min_m costs: rise of the cost, over that alone, with it",
+    ),
+    _price("wingtip_gap_min_costs_per_m", unit="1/m", description="what wingtip_gap_min_m costs, likewise"),
+    _price("distance_min_costs_per_m", unit="1/m", description="what distance_min_m costs, likewise"),
+    _price(
+        "bearing_max_costs_per_deg",
+        unit="1/deg",
+        description="what bearing_max_deg costs: rise of the cost as it falls",
     ),
     Column(
         "solve_time_s",

@@ -25,7 +25,7 @@ from upwash.sweep import Job, read_sweep
 IDS = Path(__file__).parents[1] / "job_ids.json"
 
 # Schema version -> digest of the names, types and units of all columns.
-FORMS = {1: "a06206cb2947ec88", 2: "de3bf20536199c9e", 3: "df2d38370e687bcb"}
+FORMS = {1: "a06206cb2947ec88", 2: "de3bf20536199c9e", 3: "6b4a39a9b6ef1531"}
 
 SCHEMAS = {
     "solutions": Pair.rows,
@@ -75,7 +75,15 @@ class TestSchema:
     @pytest.mark.parametrize(
         ("ending", "unit"),
         [("_kg", "kg"), ("_m", "m"), ("_m_s", "m/s"), ("_m_s2", "m/s2"), ("_kg_m3", "kg/m3")]
-        + [("_n", "N"), ("_w", "W"), ("_s", "s"), ("_per_m", "1/m"), ("_per_m2", "1/m2")],
+        + [
+            ("_n", "N"),
+            ("_w", "W"),
+            ("_s", "s"),
+            ("_per_m", "1/m"),
+            ("_per_m2", "1/m2"),
+            ("_deg", "deg"),
+            ("_per_deg", "1/deg"),
+        ],
     )
     def test_a_name_ends_in_the_unit_of_its_column(self, ending, unit):
         longest = {c.name: max((e for e in ENDINGS if c.name.endswith(e)), key=len, default="") for c in ALL}
@@ -127,7 +135,7 @@ class TestSchema:
 
 
 ALL = (*of.SUMMARY_COLUMNS, *of.FLOCK_COLUMNS)
-ENDINGS = ("_kg", "_m", "_m_s", "_m_s2", "_kg_m3", "_n", "_w", "_s", "_per_m", "_per_m2")
+ENDINGS = ("_kg", "_m", "_m_s", "_m_s2", "_kg_m3", "_n", "_w", "_s", "_per_m", "_per_m2", "_deg", "_per_deg")
 
 
 class TestDamage:

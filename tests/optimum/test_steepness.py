@@ -153,7 +153,7 @@ def test_where_multipliers_are_not_unique_the_pieces_tell_the_same(solved):
 
 
 def test_an_axis_that_nothing_holds_but_flatness_costs_nothing():
-    nothing = Vicinity(np.empty(0, np.int64), np.empty((0, 3)), None, None, None)
+    nothing = Vicinity(np.empty(0, np.int64), np.empty((0, 3)), None, None, None, None)
     held = Held(
         np.eye(3)[:2], np.zeros(2), np.eye(3)[2:], np.zeros((3, 3)), np.zeros((3, 2), bool), is_unique=True
     )

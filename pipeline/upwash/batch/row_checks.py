@@ -15,7 +15,7 @@ from upwash.jobs.flock import Flock
 from upwash.jobs.job import BUILT_IN_SOLVER, job_of
 from upwash.jobs.kinds import KINDS
 from upwash.jobs.pair import Pair
-from upwash.jobs.stored import AGREEMENT, Complaints, is_v_formation, unlike
+from upwash.jobs.stored import AGREEMENT, Complaints, beyond_spacing, is_v_formation, unlike
 from upwash.jobs.verify import bounds_of, evidence_of, makes_a_bird, recompute, walls, why_infeasible
 
 RESIDUAL_LIMIT = 1e-9
@@ -158,6 +158,7 @@ def bounds(rows: Sequence[of.Stored]) -> Complaints:
             slack = BOUND_SLACK * (high - low)
             if row[name] is not None and not low - slack <= row[name] <= high + slack:
                 yield name, f"expected {low:.6g} to {high:.6g}, found {row[name]:.9g}"
+        yield from beyond_spacing(row)
 
 
 def recomputed(rows: Sequence[of.Stored]) -> Complaints:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import click
@@ -22,6 +23,34 @@ amplitude_option = click.option(
     show_default=True,
     help="How the lone bird's amplitude is chosen.",
 )
+spacing_options = (
+    click.option("--x-min-m", type=float, metavar="M", help="Least distance behind that a follower keeps."),
+    click.option(
+        "--wingtip-gap-min-m",
+        type=float,
+        metavar="M",
+        help="Least gap between wingtips, across the flight: |y| less the wingspan; negative where they overlap.",
+    ),
+    click.option(
+        "--distance-min-m", type=float, metavar="M", help="Least distance from the bird ahead, in all."
+    ),
+    click.option(
+        "--bearing-max-deg",
+        type=float,
+        metavar="DEG",
+        help="Greatest angle, seen from above, from the follower's flight to the bird ahead, so that it sees it.",
+    ),
+)
+SPACING = ("x_min_m", "wingtip_gap_min_m", "distance_min_m", "bearing_max_deg")
+
+
+def spacing(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options that limit a follower's place."""
+    for option in reversed(spacing_options):
+        command = option(command)
+    return command
+
+
 settings_option = click.option(
     "--set",
     "settings",
@@ -100,6 +129,7 @@ phase_lock_option = click.option(
     metavar="M",
     help="How far behind, where the wake is endless and that is free; half a wavelength if not given.",
 )
+@spacing
 @click.option("--all", "show_all", is_flag=True, help="Print every optimum, with the evidence for it.")
 @as_json
 def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chosen: Any) -> None:
@@ -117,6 +147,7 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
       upwash optimum northern-bald-ibis --model limit --objective power --distance-m 1.2
       upwash optimum common-starling --leader mute-swan --no-phase-lock --objective power
     """
+    from upwash.errors import UpwashError
     from upwash.jobs.pair import Pair
     from upwash.jobs.run import solve
     from upwash.jobs.schema import table_of
@@ -124,17 +155,21 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
     from upwash.study.limit_ranges import SAMPLES, SEED, limit_ranges, pair_in
     from upwash.sweep.single import jobs_within_ranges, single_job
 
-    asked = chosen | {"parts": {"distance_m": distance_m}}
+    limits = {name: chosen.pop(name) for name in SPACING}
+    asked = chosen | {"parts": {"distance_m": distance_m} | limits}
     job = single_job(Pair, **asked)
     at_work("solving")
     table = table_of(solve(job), job.kind.rows)
     rows, ranges = table.to_pandas(), []
     if job.model.is_endless and rows["rank"].notna().any():
         at_work("solving for birds within the species' ranges")
-        jobs = jobs_within_ranges(SAMPLES, SEED, kind=Pair, **asked)
+        # A limit that leaves room to the bird itself may leave none to one within its species' ranges.
+        jobs = {}
+        with suppress(UpwashError):
+            jobs = jobs_within_ranges(SAMPLES, SEED, kind=Pair, **asked)
         birds = {law: [pair_in(one) for one in of_law] for law, of_law in jobs.items()}
         in_v = bool(rows["is_v_optimum"].eq(True).any())
-        ranges = limit_ranges(birds, job.objective, in_v, job.distance_m)
+        ranges = limit_ranges(birds, job.objective, in_v, job.distance_m, job.spacing)
     if json_output:
         click.echo(json.dumps(job_record(table.to_pylist(), ranges), indent=2, allow_nan=False))
         return
@@ -179,6 +214,7 @@ def optimum(distance_m: float | None, show_all: bool, json_output: bool, **chose
     help="A bird behind the first, from the front; repeat for each. All are like the first if none is named.",
 )
 @phase_lock_option
+@spacing
 @click.option("--joint", is_flag=True, help="Improve all birds together, for the sum of their costs.")
 @as_json
 def flock(wavelengths: str | None, joint: bool, json_output: bool, **chosen: Any) -> None:
@@ -200,13 +236,19 @@ def flock(wavelengths: str | None, joint: bool, json_output: bool, **chosen: Any
     from upwash.report.flock_answer import flock_answer, flock_record
     from upwash.sweep.single import single_job
 
-    job = single_job(Flock, parts={"wavelengths": wavelengths}, **chosen)
+    limits = {name: chosen.pop(name) for name in SPACING}
+    job = single_job(Flock, parts={"wavelengths": wavelengths} | limits, **chosen)
     if joint and job.model.is_endless:
         remedy = "leave out --joint, or give --wavelengths a number"
         raise UpwashError(f"--joint: expected wakes that end, found endless ones; {remedy}")
     if joint and (chosen["members"] or not chosen["phase_lock"]):
         remedy = "leave out --joint"
         raise UpwashError(f"--joint: expected birds that are alike and beat in step, found others; {remedy}")
+    if joint and job.spacing.names:
+        found = ", ".join(job.spacing.names)
+        raise UpwashError(
+            f"--joint: expected birds that keep to nothing, found {found}; leave one of them out"
+        )
     at_work("solving")
     chain = table_of(solve(job), job.kind.rows)
     improved = None

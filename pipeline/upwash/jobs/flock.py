@@ -126,6 +126,7 @@ class Flock(Kind):
             distance_m=job.distance_m,
             members=self.kinds(bird)[1:],
             phase_lock=self.phase_lock,
+            spacing=job.spacing,
         )
 
     @classmethod
@@ -163,7 +164,8 @@ class Flock(Kind):
             place = Place(self.rules.row_of(number), pose, self._flown(bird, number))
             ahead.append(place if self.rules.side_of(row["bird"]) > 0.0 else place.mirrored())
         own, lock = self.kind_of(bird, row), self.phase_lock
-        return link_problems(own, job.objective, tuple(ahead), self.rules, job.model, job.distance_m, lock)
+        asked = job.model, job.distance_m, lock, job.spacing
+        return link_problems(own, job.objective, tuple(ahead), self.rules, *asked)
 
     def felt(
         self, bird: Bird, row: of.Stored, rows: Sequence[of.Stored]
@@ -183,7 +185,8 @@ class Flock(Kind):
         leader = self._flown(bird, row["leader"])
         found = bounds_behind(row, own, ahead, leader, amplitude_limit(own, ahead, leader, self.rules))
         # A flock's birds may fly on either side of the one ahead.
-        return found | {"y_m": (-found["y_m"][1], found["y_m"][1])}
+        inner, outer = found["y_m"]
+        return found | {"y_m": (-outer, -inner) if row["y_m"] < 0.0 else (inner, outer)}
 
     def why_none(self, row: of.Stored, proof: Proof) -> str:
         from upwash.optimum.flock import why_none

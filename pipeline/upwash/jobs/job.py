@@ -22,7 +22,9 @@ from upwash.jobs.bird import BIRD_COLUMNS, NoBird, bird_of, inputs_of
 from upwash.jobs.kind import Kind
 from upwash.jobs.kinds import KINDS
 from upwash.jobs.pair import Pair
+from upwash.optimum.endless.problem import DISTANCE
 from upwash.optimum.settings import SearchSettings
+from upwash.optimum.spacing import FREE, Spacing
 
 MODEL_VERSION = 2
 """Raised by hand when a change of the code changes results: every job then gets a new id."""
@@ -66,6 +68,8 @@ class Job:
         `BUILT_IN_SOLVER`, or ``package.module:function``.
     distance_m : float or None
         How far behind the one ahead a follower is said to fly where the wake is endless; half a wavelength if None.
+    spacing : Spacing
+        What a follower keeps to.
 
     Raises
     ------
@@ -83,6 +87,7 @@ class Job:
     kind: Kind = Pair()
     solver: str = BUILT_IN_SOLVER
     distance_m: float | None = None
+    spacing: Spacing = FREE
     job_id: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -95,6 +100,10 @@ class Job:
             if not self.model.is_endless:
                 found = "as behind a wake that ends the distance is found"
                 raise WrongInput("distance_m", f"none, {found}", self.distance_m)
+        if isinstance(self.bird, Bird) and self.spacing.names:
+            ahead = self.kind.ahead_of(self.bird)
+            asked = (self.distance_m or DISTANCE * ahead.wavelength_m) if self.model.is_endless else None
+            self.spacing.need_room(self.bird.semispan_m, ahead.wavelength_m, asked, ahead.semispan_m)
         object.__setattr__(self, "job_id", job_id(self.inputs()))
 
     def inputs(self) -> Row:
@@ -111,6 +120,7 @@ class Job:
             "tolerance": self.search.tolerance,
             "solver": self.solver,
             "distance_m": self.distance_m,
+            **vars(self.spacing),
         }
         found |= of.told(vars(self.model)) | {"model": self.model.name(self.kind.wavelength_ratio(self.bird))}
         return {name: found[name] for name in INPUTS}
@@ -139,6 +149,7 @@ class Job:
             model=WakeModel(**some(*(entry.name for entry in fields(WakeModel)))),
             search=SearchSettings(**some("seed", "tolerance")),
             kind=kind.from_inputs(given),
+            spacing=Spacing(**some(*(entry.name for entry in fields(Spacing)))),
         )
 
 

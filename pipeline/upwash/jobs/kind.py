@@ -103,6 +103,10 @@ class Kind(ABC):
         """Return the greatest wavelength over semispan of the birds that are followed, given the job's bird."""
         return wavelength_ratio(bird)
 
+    def ahead_of(self, bird: Bird) -> Bird:
+        """Return the bird that a job's own bird follows; one like it if nothing else is said."""
+        return bird
+
     # Solving
 
     @abstractmethod

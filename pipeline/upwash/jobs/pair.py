@@ -84,8 +84,9 @@ class Pair(Kind):
             model=job.model,
             search=job.search,
             distance_m=job.distance_m,
-            leader=self.leader_of(bird),
+            leader=self.ahead_of(bird),
             phase_lock=self.phase_lock,
+            spacing=job.spacing,
         )
         if solution.status == of.SOLVED:
             return of.SOLVED, "", solution.rows()
@@ -127,23 +128,23 @@ class Pair(Kind):
             job.objective,
             model=job.model,
             distance_m=job.distance_m,
-            leader=self.leader_of(bird),
+            leader=self.ahead_of(bird),
             phase_lock=self.phase_lock,
+            spacing=job.spacing,
         )
         return [shared for _ in rows]
 
-    def leader_of(self, bird: Bird) -> Bird:
-        """Return the bird ahead of a job's bird."""
+    def ahead_of(self, bird: Bird) -> Bird:
         return self.leader.bird if self.leader is not None else bird
 
     def felt(
         self, bird: Bird, row: of.Stored, rows: Sequence[of.Stored]
     ) -> Iterator[tuple[Stroke, Pose, Bird]]:
-        leader = self.leader_of(bird)
+        leader = self.ahead_of(bird)
         yield leader.stroke, pose_of(row), leader
 
     def bounds(self, bird: Bird, row: of.Stored) -> dict[str, tuple[float, float]]:
-        leader = self.leader_of(bird)
+        leader = self.ahead_of(bird)
         return bounds_behind(row, bird, leader.stroke, leader, bird.amplitude_m)
 
     def why_none(self, row: of.Stored, proof: Proof) -> str:

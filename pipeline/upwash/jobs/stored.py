@@ -10,6 +10,7 @@ from upwash.aero.bird import Bird
 from upwash.aero.pose import Pose, Stroke
 from upwash.optimum import variables
 from upwash.optimum.endless.problem import DISTANCE
+from upwash.optimum.spacing import BEARING_MAX, DISTANCE_MIN, UNITS, Spacing
 
 Complaints = Iterator[tuple[str, str]]
 """Columns, and what does not hold of them: what was expected, and what was found."""
@@ -62,19 +63,36 @@ def bounds_behind(
     limit_m : float
         Largest amplitude of the row's bird, in m.
     """
-    wavelength = leader.wavelength_m
-    x = (0.0, variables.STREAMWISE_REACH * wavelength)
-    if row["wavelengths"] == inf:
-        # It is the distance asked for.
-        x = (row["distance_m"] or DISTANCE * wavelength,) * 2
+    wavelength, b = leader.wavelength_m, bird.semispan_m
+    # Behind an endless wake it is the distance asked for.
+    asked = (row["distance_m"] or DISTANCE * wavelength) if row["wavelengths"] == inf else None
+    box = spacing_of(row).box(b, asked, leader.semispan_m)
+    x = (box.least_x * b, variables.STREAMWISE_REACH * wavelength)
+    aside = variables.SPANWISE_REACH * max(b, leader.semispan_m)
     return {
-        "x_m": x,
-        "y_m": (0.0, variables.SPANWISE_REACH * max(bird.semispan_m, leader.semispan_m)),
+        "x_m": x if asked is None else (asked, asked),
+        "y_m": (box.least_y * b, min(aside, box.most_y * b)),
         "z_m": (-ahead.amplitude_m, ahead.amplitude_m),
         "amplitude_m": (variables.LEAST_AMPLITUDE * limit_m, limit_m),
         "upstroke_span_ratio": variables.SPAN_RATIO_BOUNDS,
         "phase": (0.0, 1.0),
     }
+
+
+def spacing_of(row: of.Stored) -> Spacing:
+    """Return what a row's follower keeps to; rows from before there was such a thing keep to nothing."""
+    return Spacing(**{name: row.get(name) for name in UNITS})
+
+
+def beyond_spacing(row: of.Stored) -> Complaints:
+    """Give what of a solved row's place is beyond what its follower keeps to."""
+    if row.get("x_m") is None:
+        return
+    # The others are bounds of one variable.
+    told = spacing_of(row).told(row["x_m"], row["y_m"], row["z_m"], row["semispan_m"])
+    for name, (found, keeps) in told.items():
+        if name in (DISTANCE_MIN, BEARING_MAX) and not keeps:
+            yield name, f"expected a place that keeps {row[name]:.9g}, found {found:.9g}"
 
 
 def unlike(row: of.Stored, expected: of.Stored, agreement: of.Agreement, how: str) -> Complaints:

@@ -122,6 +122,7 @@ def certify(
             problem.first_lanes,
             problem.constants,
             phase_end,
+            problem.walls,
             centre,
         )
         boxes, left_open = boxes + examined, min(left_open, given_up)

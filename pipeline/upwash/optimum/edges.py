@@ -14,6 +14,8 @@ from upwash.optimum.compiled.edges import edge_distance
 from upwash.optimum.compiled.pair_descent import FeltLanes
 from upwash.optimum.variables import VARIABLE_COUNT
 
+NO_WALLS = np.empty((0, 7))
+
 FILAMENTS = ("starting", "stopping", "left tip", "right tip")
 """The filaments of a ring, in the order of the first axis of an `edges` array."""
 
@@ -56,9 +58,11 @@ def distinct_edges(
     return group, np.array(representative, dtype=np.int64)
 
 
-def felt_lanes(lanes: NDArray[np.float64], bounds: NDArray[np.float64]) -> FeltLanes:
-    """Return a wake with its core edges, as the local solve takes it; parameters as for `distinct_edges`."""
-    return FeltLanes(lanes, *distinct_edges(lanes, bounds))
+def felt_lanes(
+    lanes: NDArray[np.float64], bounds: NDArray[np.float64], walls: NDArray[np.float64] = NO_WALLS
+) -> FeltLanes:
+    """Return a wake with its core edges, and walls, as the local solve takes it; parameters as for `distinct_edges`."""
+    return FeltLanes(lanes, *distinct_edges(lanes, bounds), walls)
 
 
 def edge_distances(

@@ -30,6 +30,7 @@ from upwash.optimum.compiled.programme import new_balance
 from upwash.optimum.core_edge import BOTH, CoreEdge
 from upwash.optimum.edges import FILAMENTS, edge_distances
 from upwash.optimum.problem import PairProblem
+from upwash.optimum.spacing import UNITS, touched_walls
 from upwash.optimum.steepness import Held, Vicinity, steepness
 from upwash.optimum.variables import SCALE, VARIABLE_COUNT, VARIABLES
 
@@ -61,6 +62,10 @@ class Evidence:
     curvature : float or None
         Least curvature of the Lagrangian along the directions that balances, edges and the bounds pressed on
         leave free, per unit of `SCALE` squared; None if none is left.
+    point : (6,) ndarray of float
+        The point.
+    prices : dict
+        Bound or wall that the point lies on -> its multiplier: what the cost falls by, per unit, where it gives way.
     vicinity : Vicinity
         The smooth pieces that meet in it.
     held : Held
@@ -73,6 +78,8 @@ class Evidence:
     multiplier_thrust: float
     stationarity: float
     curvature: float | None
+    point: NDArray[np.float64]
+    prices: dict[str, float]
     vicinity: Vicinity
     held: Held
 
@@ -99,6 +106,7 @@ def gather_evidence(problem: PairProblem, felt: FeltLanes, point: NDArray[np.flo
     # The sides are held as they are, for an edge may be nearer than the step of the differences.
     held = np.where(distances[felt.group] < ON_EDGE, np.inf, -1.0)
     none = np.empty(0, np.int64), np.empty(0), 0
+    touched = touched_walls(problem.wall_names, problem.walls, point)
 
     def slopes(sides: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         edges, balance = held.copy(), new_balance()
@@ -117,7 +125,7 @@ def gather_evidence(problem: PairProblem, felt: FeltLanes, point: NDArray[np.flo
     def pull(edge: int, multipliers: NDArray[np.float64]) -> float:
         return edge_pull(point, felt.lanes, felt.group, edge, multipliers)
 
-    vicinity = Vicinity(on_edge, normals[on_edge], slopes, pull, hessian)
+    vicinity = Vicinity(on_edge, normals[on_edge], touched, slopes, pull, hessian)
     fixed = [] if problem.phase_span() > 0.0 else [PHASE]
     return weigh(point, problem.bounds, vicinity, fixed=fixed)
 
@@ -157,7 +165,7 @@ def weigh(
     at_lower[[*unbounded, *fixed]] = at_upper[[*unbounded, *fixed]] = False
     bound_rows = np.concatenate([-np.eye(VARIABLE_COUNT)[at_lower], np.eye(VARIABLE_COUNT)[at_upper]])
     # Gradient + jacobianᵀ ν + normalsᵀ λ + boundᵀ ω = 0 in units of SCALE; ω must not be negative.
-    columns = np.concatenate([jacobian, normals, bound_rows]).T * SCALE[:, None]
+    columns = np.concatenate([jacobian, normals, bound_rows, vicinity.touched.outward]).T * SCALE[:, None]
     solution, _, independent, _ = np.linalg.lstsq(columns, -gradient * SCALE, rcond=1e-12)
     left = np.max(np.abs(gradient * SCALE + columns @ solution))
     edges = 2 + len(on_edge)
@@ -170,6 +178,8 @@ def weigh(
         solution, left = _piecewise(vicinity, columns[:, 2:])
         violation = 0.0
     hessian = vicinity.hessian(solution[:2].copy(), solution[2:edges])
+    walls = edges + len(bound_rows)
+    hessian -= np.tensordot(solution[walls:], vicinity.touched.hessians, axes=1)
     is_held = np.ones(columns.shape[1], dtype=bool)
     is_held[edges:] = solution[edges:] > PRESSED
     held = columns[:, is_held].T
@@ -180,13 +190,16 @@ def weigh(
     if len(free):
         curvature = float(np.min(np.linalg.eigvalsh(free @ scaled @ free.T)))
 
+    bound_names = names_of(at_lower, "lower") + names_of(at_upper, "upper")
     return Evidence(
-        active_bounds=tuple(names_of(at_lower, "lower") + names_of(at_upper, "upper")),
+        active_bounds=(*bound_names, *vicinity.touched.names),
         core_edges=tuple(int(edge) for edge in on_edge),
         multiplier_lift=float(solution[0]),
         multiplier_thrust=float(solution[1]),
         stationarity=float(max(left, violation)),
         curvature=curvature,
+        point=point,
+        prices=dict(zip((*bound_names, *vicinity.touched.names), solution[edges:].tolist(), strict=True)),
         vicinity=vicinity,
         held=Held(
             held,
@@ -270,6 +283,10 @@ class StatedEvidence:
     curvature_later: float | None
     restores_x: bool
     restores_z: bool
+    x_min_costs_per_m: float | None
+    wingtip_gap_min_costs_per_m: float | None
+    distance_min_costs_per_m: float | None
+    bearing_max_costs_per_deg: float | None
 
     @classmethod
     def of(cls, problem: PairProblem, evidence: Evidence, edges: Iterable[CoreEdge]) -> StatedEvidence:
@@ -284,6 +301,7 @@ class StatedEvidence:
             **_rise_in_si(problem, evidence),
             restores_x=_restores(evidence.vicinity, 1, X, 1.0),
             restores_z=_restores(evidence.vicinity, 0, Z, -1.0),
+            **_prices_in_si(problem, evidence),
         )
 
 
@@ -320,6 +338,21 @@ def _rise_in_si(problem: PairProblem, evidence: Evidence) -> dict[str, float | N
             found[f"slope_{side}{per_m}"] = float(slope) if np.isfinite(slope) else None
             found[f"curvature_{side}{per_m2}"] = float(curvature) if np.isfinite(curvature) else None
     return found
+
+
+def _prices_in_si(problem: PairProblem, evidence: Evidence) -> dict[str, float | None]:
+    """Return what each limit of the place costs, as a share of the lone bird's cost, by the columns of the results.
+
+    It is None where there is no such limit, or where no single multiplier is its own.
+    """
+    spans = problem.bird.semispan_m, problem.distance_asked_m, problem.leader.semispan_m
+    prices = problem.spacing.prices(evidence.point[:2], evidence.prices, *spans)
+    return {
+        f"{name.removesuffix(f'_{unit}')}_costs_per_{unit}": (
+            prices.get(name) if evidence.held.is_unique or not prices.get(name) else None
+        )
+        for name, unit in UNITS.items()
+    }
 
 
 def stated(problem: PairProblem, felt: FeltLanes, evidence: Evidence) -> StatedEvidence:

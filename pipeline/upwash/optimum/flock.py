@@ -31,6 +31,7 @@ from upwash.optimum.proof import Proof, wall_in_words
 from upwash.optimum.settings import BIRDS, FlockRules, SearchSettings
 from upwash.optimum.solution import PairSolution
 from upwash.optimum.solvable import need_solvable
+from upwash.optimum.spacing import FREE, Spacing
 
 LINKS_KEPT = 1024
 """Solved links that are kept in memory: flocks of other sizes and shapes have many in common."""
@@ -47,6 +48,7 @@ def solve_flock(
     distance_m: float | None = None,
     members: Sequence[Bird] = (),
     phase_lock: bool = True,
+    spacing: Spacing | None = None,
 ) -> FlockSolution:
     """Build a flock, each follower at its V optimum behind the birds that are settled.
 
@@ -71,6 +73,8 @@ def solve_flock(
     phase_lock : bool
         Whether all beat in step, in the first bird's period; else each keeps its own, and wakes are averaged over all
         phases.
+    spacing : Spacing, optional
+        What each bird keeps to of the one that it follows.
 
     Returns
     -------
@@ -98,7 +102,7 @@ def solve_flock(
     while len(placed) < len(kinds) and placed[-1].place is not None:
         number = len(placed) + 1
         own, ahead = kinds[number - 1], _felt(placed, number, rules)
-        problems = link_problems(own, objective, ahead, rules, model, distance_m, phase_lock)
+        problems = link_problems(own, objective, ahead, rules, model, distance_m, phase_lock, spacing or FREE)
         flown = in_step(own, bird, phase_lock)
         placed.append(_settle(number, rules, ahead[-1], _solve_link(problems, search), flown))
     return FlockSolution(kinds, objective, rules, model, tuple(placed), phase_lock)
@@ -120,6 +124,7 @@ def link_problems(
     model: WakeModel,
     distance_m: float | None = None,
     phase_lock: bool = True,
+    spacing: Spacing = FREE,
 ) -> tuple[PairProblem, ...]:
     """Pose a follower's problem behind birds that are settled, in one piece of phase or several.
 
@@ -127,7 +132,7 @@ def link_problems(
     ----------
     bird : Bird
         The follower.
-    objective, model, distance_m, phase_lock
+    objective, model, distance_m, phase_lock, spacing
         As for `solve_flock`.
     ahead : tuple of Place
         Every bird whose wake is felt, the one that is followed last; if there is one, its place does not matter.
@@ -142,13 +147,13 @@ def link_problems(
     stroke, leader = ahead[-1].pose.stroke, ahead[-1].bird or bird
     limit = amplitude_limit(bird, stroke, leader, rules)
     if len(ahead) == 1:
-        pair: dict[str, Any] = {"leader": leader, "phase_lock": phase_lock}
+        pair: dict[str, Any] = {"leader": leader, "phase_lock": phase_lock, "spacing": spacing}
         if model.is_endless:
             return (EndlessProblem(bird, objective, stroke, limit, model, **pair, distance_m=distance_m),)
         if model.wavelengths == 1:
             return (PairProblem(bird, objective, stroke, limit, model, **pair),)
         ahead = (Place(0, Pose(0.0, 0.0, 0.0, stroke, 0.0), leader),)
-    return tuple(flock_problems(bird, objective, ahead, limit, model, phase_lock))
+    return tuple(flock_problems(bird, objective, ahead, limit, model, phase_lock, spacing))
 
 
 @lru_cache(LINKS_KEPT)

@@ -21,6 +21,7 @@ from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
 from upwash.optimum.problem import PairProblem, least_turn
 from upwash.optimum.settings import FlockRules
+from upwash.optimum.spacing import FREE, Spacing
 
 SAME_PHASE = 1e-12
 """Phases closer than this are one."""
@@ -195,12 +196,13 @@ def flock_problems(
     amplitude_limit_m: float,
     model: WakeModel,
     phase_lock: bool = True,
+    spacing: Spacing = FREE,
 ) -> list[FlockProblem]:
     """Pose a follower's problem once for each piece of its phase.
 
     Parameters
     ----------
-    bird, objective, amplitude_limit_m, model, phase_lock
+    bird, objective, amplitude_limit_m, model, phase_lock, spacing
         As for `upwash.optimum.problem.PairProblem`.
     places : tuple of Place
         Every bird whose wake is felt; the last is the one that is followed.
@@ -227,6 +229,7 @@ def flock_problems(
         phase_lock=phase_lock,
         places=places,
         is_symmetric=True,
+        spacing=spacing,
     )
     if len(kinks) == 1 or not phase_lock:
         return [whole]

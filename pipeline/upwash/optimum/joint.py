@@ -214,7 +214,7 @@ def _describe(problem: JointProblem, point: NDArray[np.float64], left: float) ->
     for follower, own in zip(problem.followers, point, strict=True):
         place = places[follower.number - 1]
         posed, _ = follower.pose(places, place.pose.relative_to(places[follower.leader - 1].pose).phase % 1.0)
-        felt = felt_lanes(posed.lanes, posed.bounds)
+        felt = felt_lanes(posed.lanes, posed.bounds, posed.walls)
         evidence = gather_evidence(posed, felt, own)
         optimum = describe_optimum(
             posed,

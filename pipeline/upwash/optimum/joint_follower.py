@@ -16,7 +16,7 @@ from upwash.aero.lanes import core_edges, fill_rings
 from upwash.aero.pose import Pose, Stroke
 from upwash.optimum.compiled.pair_descent import FeltLanes
 from upwash.optimum.compiled.problem import evaluate
-from upwash.optimum.edges import distinct_edges, edge_distances
+from upwash.optimum.edges import NO_WALLS, distinct_edges, edge_distances
 from upwash.optimum.flock_solution import FlockSolution
 from upwash.optimum.flock_wake import FlockProblem, Place, amplitude_limit, flock_problems, superposed_wake
 from upwash.optimum.variables import VARIABLE_COUNT
@@ -144,7 +144,7 @@ class Follower:
         self, variables: NDArray[np.float64], lanes: NDArray[np.float64], edges: NDArray[np.intp]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the distances to some core edges, negative inside, and their slopes by its own variables."""
-        return edge_distances(FeltLanes(lanes, self.group, self.representative[edges]), variables)
+        return edge_distances(FeltLanes(lanes, self.group, self.representative[edges], NO_WALLS), variables)
 
 
 def _moved(place: Place, seed: int) -> Place:

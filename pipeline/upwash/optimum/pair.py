@@ -14,6 +14,7 @@ from upwash.optimum.problem import PairProblem
 from upwash.optimum.settings import SearchSettings
 from upwash.optimum.solution import PairSolution
 from upwash.optimum.solvable import need_solvable
+from upwash.optimum.spacing import FREE, Spacing
 
 PAPER = WakeModel()
 
@@ -29,6 +30,7 @@ def solve_pair(
     distance_m: float | None = None,
     leader: Bird | None = None,
     phase_lock: bool = True,
+    spacing: Spacing | None = None,
 ) -> PairSolution:
     """Find where and how a follower should fly behind a leader, with all other optima, and prove the best.
 
@@ -54,6 +56,8 @@ def solve_pair(
     phase_lock : bool
         Whether the follower beats in step with its leader, in its period and at the best phase; else it keeps its own
         period, and the force of the wake is averaged over all phases.
+    spacing : Spacing, optional
+        What the follower keeps to: limits of its place beside the paper's bounds.
 
     Returns
     -------
@@ -81,6 +85,7 @@ def solve_pair(
         distance_m,
         leader=leader,
         phase_lock=phase_lock,
+        spacing=spacing,
     )
     settings = search or SearchSettings()
     if isinstance(problems[0], EndlessProblem):
@@ -98,6 +103,7 @@ def pair_problems(
     *,
     leader: Bird | None = None,
     phase_lock: bool = True,
+    spacing: Spacing | None = None,
 ) -> list[PairProblem]:
     """Pose a pair's problem, in each piece of its phase; parameters and errors are those of `solve_pair`."""
     need_solvable(model)
@@ -112,6 +118,7 @@ def pair_problems(
             leader=leader,  # type: ignore[arg-type]
             phase_lock=phase_lock,
             distance_m=distance_m,
+            spacing=spacing or FREE,
         )
         return [endless]
     if distance_m is not None:
@@ -126,6 +133,7 @@ def pair_problems(
         model,
         leader=leader,  # type: ignore[arg-type]
         phase_lock=phase_lock,
+        spacing=spacing or FREE,
     )
     # With two states one piece stands for all phases, and where phases are averaged there is no other.
     states = model.stroke_states

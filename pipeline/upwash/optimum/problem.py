@@ -30,6 +30,7 @@ from upwash.aero.power import (
 from upwash.aero.together import in_step, need_shared
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
 from upwash.optimum.compiled.problem import Constants
+from upwash.optimum.spacing import FREE, Spacing
 from upwash.optimum.variables import TABLE, Given, Variable, bounds_of
 
 
@@ -57,6 +58,8 @@ class PairProblem:
     phase_lock : bool
         Whether the follower beats in step with its leader, in its period and at a phase of choice; else it keeps its
         own period, and the force is averaged over all phases.
+    spacing : Spacing, optional
+        What the follower keeps to.
 
     Raises
     ------
@@ -73,6 +76,7 @@ class PairProblem:
     piece: int = 1
     leader: Bird = None  # type: ignore[assignment]
     phase_lock: bool = True
+    spacing: Spacing = FREE
 
     distance_is_free: ClassVar[bool] = False
 
@@ -81,6 +85,8 @@ class PairProblem:
     ring_of_lane: NDArray[np.int64] = field(init=False, repr=False, compare=False)
     constants: Constants = field(init=False, repr=False, compare=False)
     bounds: NDArray[np.float64] = field(init=False, repr=False, compare=False)
+    wall_names: tuple[str, ...] = field(init=False, repr=False, compare=False)
+    walls: NDArray[np.float64] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         bird = self.bird
@@ -99,6 +105,11 @@ class PairProblem:
         # A bird's own rules hold for the bird ahead and for the limit.
         replace(self.leader, amplitude_m=self.ahead.amplitude_m, upstroke_span_ratio=self.ahead.span_ratio)
         replace(bird, amplitude_m=self.amplitude_limit_m)
+        b, asked = bird.semispan_m, self.distance_asked_m
+        if self.spacing.names:
+            self.spacing.need_room(b, self.leader.wavelength_m, asked, self.leader.semispan_m)
+        for name, value in zip(("wall_names", "walls"), self.spacing.walls(b, asked), strict=True):
+            object.__setattr__(self, name, value)
         for name, value in self._lanes().items():
             object.__setattr__(self, name, value)
         object.__setattr__(self, "constants", self._constants())
@@ -144,6 +155,11 @@ class PairProblem:
         if self.is_mirrored_in_phase:
             return 0.5 - phase
         return least_turn(phase - self.piece / self.model.stroke_states)
+
+    @property
+    def distance_asked_m(self) -> float | None:
+        """How far behind the follower flies, in m, where that is given; None where it is found."""
+        return None
 
     @property
     def is_mirrored_in_phase(self) -> bool:
@@ -242,7 +258,8 @@ class PairProblem:
     def _bounds(self) -> NDArray[np.float64]:
         limit = self.amplitude_limit_m / self.bird.semispan_m
         widest = max(1.0, self.leader.semispan_m / self.bird.semispan_m)
-        given = Given(self.wavelength, self.leader_height, limit, self.phase_span(), widest)
+        box = self.spacing.box(self.bird.semispan_m, self.distance_asked_m, self.leader.semispan_m)
+        given = Given(self.wavelength, self.leader_height, limit, self.phase_span(), widest, box)
         return bounds_of(self.variables, given)
 
     def v_bounds(self) -> NDArray[np.float64]:

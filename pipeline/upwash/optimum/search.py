@@ -20,6 +20,7 @@ from upwash.optimum.compiled.descent import SOLVED
 from upwash.optimum.compiled.pair_descent import solve_many
 from upwash.optimum.edges import felt_lanes
 from upwash.optimum.problem import ASTERN, OUTBOARD, PairProblem
+from upwash.optimum.spacing import ON_WALL, moved_inside, wall_values
 from upwash.optimum.variables import SCALE, VARIABLE_COUNT, neighbourhood_of
 
 SAME_BASIN = 1e-4
@@ -77,12 +78,16 @@ class Search:
 
     def wake_felt(self) -> Any:
         """Return the wake as the local solve takes it."""
-        return felt_lanes(self.problem.lanes, self.problem.bounds)
+        return felt_lanes(self.problem.lanes, self.problem.bounds, self.problem.walls)
 
     @property
     def edge_count(self) -> int:
         """Number of core edges."""
         return len(self.felt.representative)
+
+    @property
+    def _surface_count(self) -> int:
+        return self.edge_count + len(self.problem.walls)
 
     def random_starts(self, bounds: NDArray[np.float64], count: int) -> NDArray[np.float64]:
         """Draw starts evenly over a box."""
@@ -103,13 +108,16 @@ class Search:
         return merge_basins(found)
 
     def _solve(self, starts: NDArray[np.float64], bounds: NDArray[np.float64]) -> list[Basin]:
-        n, edges = len(starts), self.edge_count
+        n, edges, walls = len(starts), self._surface_count, self.problem.walls
         points, costs, status = np.empty((n, VARIABLE_COUNT)), np.empty(n), np.empty(n, dtype=np.int64)
         multipliers, pins = np.empty((n, 2)), np.empty((n, edges))
         found = points, costs, multipliers, pins, status
+        starts = moved_inside(starts, walls, bounds) if len(walls) else starts
         self.solve_many(np.ascontiguousarray(starts), self.felt, self.problem.constants, bounds, *found)
+        keeps = np.all(wall_values(points, walls) > -ON_WALL, axis=1)
         return [
-            Basin(points[k], float(costs[k]), multipliers[k], 1) for k in np.flatnonzero(status == SOLVED)
+            Basin(points[k], float(costs[k]), multipliers[k], 1)
+            for k in np.flatnonzero((status == SOLVED) & keeps)
         ]
 
     def explore(self, starts: NDArray[np.float64]) -> None:
@@ -119,7 +127,7 @@ class Search:
     def explore_places(self, count: int) -> None:
         """Solve from so many starts each outboard and inboard, astern and abreast."""
         for axis_ranges in product(
-            _parts(self.problem.bounds[0], ASTERN), _parts(self.problem.bounds[1], OUTBOARD)
+            parts_of(self.problem.bounds[0], ASTERN), parts_of(self.problem.bounds[1], OUTBOARD)
         ):
             place = self.problem.bounds.copy()
             place[:2] = axis_ranges
@@ -150,7 +158,7 @@ class Search:
         return np.clip(self.random_starts(around, NEIGHBOURS), *self.problem.bounds.T)
 
 
-def _parts(bounds: NDArray[np.float64], wall: float) -> list[tuple[float, float]]:
+def parts_of(bounds: NDArray[np.float64], wall: float) -> list[tuple[float, float]]:
     """Split a range at a wall, if it lies within."""
     low, high = bounds
     return [(low, wall), (wall, high)] if low < wall < high else [(low, high)]

@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from upwash.optimum.spacing import Touched
 from upwash.optimum.variables import SCALE
 
 WITHIN = 1e-3
@@ -56,6 +57,8 @@ class Vicinity:
         Numbers of the core edges that the point lies on.
     normals : (e, 6) ndarray of float
         Gradients of their distances.
+    touched : Touched
+        Walls that it lies on.
     slopes : callable
         Sides, 1 inside and −1 outside for each of those edges -> gradient of the cost and Jacobian of the balances.
     pull : callable
@@ -66,6 +69,7 @@ class Vicinity:
 
     on_edge: NDArray[np.int64]
     normals: NDArray[np.float64]
+    touched: Touched
     slopes: Callable[[NDArray[np.float64]], tuple[NDArray[np.float64], NDArray[np.float64]]]
     pull: Callable[[int, NDArray[np.float64]], float]
     hessian: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
@@ -156,17 +160,19 @@ def _slopes_of_pieces(vicinity: Vicinity, held: Held, axis: int) -> tuple[float,
 
     variables, edges = held.rows.shape[1], len(vicinity.on_edge)
     normals, least = vicinity.normals * SCALE, [np.inf, np.inf]
+    outward = vicinity.touched.outward * SCALE
     ends = [(None if not low else 0.0, None if not high else 0.0) for low, high in held.at_end.tolist()]
     for inside in product((1.0, -1.0), repeat=edges):
         gradient, jacobian = vicinity.slopes(np.array(inside))
+        kept = np.concatenate([np.array(inside)[:, None] * normals, outward])
         for number, side in enumerate((-1.0, 1.0)):
             if held.at_end[axis, number]:
                 continue
             bounds = [(side, side) if variable == axis else ends[variable] for variable in range(variables)]
             found = linprog(
                 gradient * SCALE,
-                A_ub=np.array(inside)[:, None] * normals if edges else None,
-                b_ub=np.zeros(edges) if edges else None,
+                A_ub=kept if len(kept) else None,
+                b_ub=np.zeros(len(kept)) if len(kept) else None,
                 A_eq=jacobian * SCALE,
                 b_eq=np.zeros(2),
                 bounds=bounds,

@@ -28,6 +28,20 @@ SPAN_RATIO_BOUNDS = (0.3, 0.5)
 """Bounds of the follower's upstroke span ratio."""
 
 
+class Box(NamedTuple):
+    """Within which x and y a follower keeps for its own reasons.
+
+    Attributes
+    ----------
+    least_x, least_y, most_y : float
+        Where nothing limits them: 0, 0 and infinite.
+    """
+
+    least_x: float
+    least_y: float
+    most_y: float
+
+
 class Given(NamedTuple):
     """What the bounds of the variables depend on.
 
@@ -43,6 +57,8 @@ class Given(NamedTuple):
         Greatest phase coordinate.
     widest : float
         Semispan of the wider of the two birds.
+    box : Box
+        Within which a follower keeps, in semispans.
     """
 
     wavelength: float
@@ -50,6 +66,7 @@ class Given(NamedTuple):
     amplitude_limit: float
     phase_span: float
     widest: float = 1.0
+    box: Box = Box(0.0, 0.0, math.inf)
 
 
 Bounds = Callable[[Given], tuple[float, float]]
@@ -77,8 +94,10 @@ class Variable(NamedTuple):
 
 
 TABLE = (
-    Variable("x", 0.3, 0.5, lambda given: (0.0, STREAMWISE_REACH * given.wavelength)),
-    Variable("y", 0.3, 0.5, lambda given: (0.0, SPANWISE_REACH * given.widest)),
+    Variable("x", 0.3, 0.5, lambda given: (given.box.least_x, STREAMWISE_REACH * given.wavelength)),
+    Variable(
+        "y", 0.3, 0.5, lambda given: (given.box.least_y, min(SPANWISE_REACH * given.widest, given.box.most_y))
+    ),
     Variable("z", 0.3, 0.5, lambda given: (-given.amplitude_ahead, given.amplitude_ahead)),
     Variable("h", 0.3, 0.5, lambda given: (LEAST_AMPLITUDE * given.amplitude_limit, given.amplitude_limit)),
     Variable("R", 0.1, 0.1, lambda given: SPAN_RATIO_BOUNDS),

@@ -107,7 +107,7 @@ def examine(problems: Sequence[PairProblem], pose: Pose) -> list[StatedEvidence]
 
 @lru_cache(PIECES_KEPT)
 def _felt(problem: PairProblem) -> FeltLanes:
-    return felt_lanes(problem.lanes, problem.bounds)
+    return felt_lanes(problem.lanes, problem.bounds, problem.walls)
 
 
 def alike(problem: PairProblem, poses: Sequence[Pose]) -> list[tuple[int, int]]:

@@ -19,6 +19,7 @@ from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import EndlessSearch
 from upwash.optimum.record import V_LABELS
 from upwash.optimum.solution import record_in
+from upwash.optimum.spacing import FREE, Spacing
 from upwash.study.intervals import HIGH, LOW
 
 SAMPLES, SEED = 32, 1
@@ -87,6 +88,7 @@ def limit_ranges(
     objective: str,
     in_v: bool,
     distance_m: float | None = None,
+    spacing: Spacing = FREE,
 ) -> list[LimitRange]:
     """Return what is saved behind an endless wake, by each span law.
 
@@ -100,11 +102,13 @@ def limit_ranges(
         Whether the optimum is the best in a V, or the best of all.
     distance_m : float, optional
         How far behind, which decides whether that is astern; half a wavelength if not given.
+    spacing : Spacing
+        What the follower keeps to.
     """
     ranges = []
     for law, of_law in birds.items():
         own, *samples = (
-            _savings(pair, objective, in_v, distance_m, STARTS if number else OWN_STARTS)
+            _savings(pair, objective, in_v, distance_m, spacing, STARTS if number else OWN_STARTS)
             for number, pair in enumerate(of_law)
         )
         frame = pd.DataFrame(samples, columns=["total", "cost"]).dropna()
@@ -127,7 +131,7 @@ def limit_ranges(
 
 
 def _savings(
-    pair: PairIn, objective: str, in_v: bool, distance_m: float | None, starts: int
+    pair: PairIn, objective: str, in_v: bool, distance_m: float | None, spacing: Spacing, starts: int
 ) -> tuple[float, float]:
     """Return the savings of total power and of the cost at one bird's best place; NaN if there is none."""
     if not isinstance(pair.bird, Bird):
@@ -139,6 +143,7 @@ def _savings(
         leader=pair.leader,
         phase_lock=pair.phase_lock,
         distance_m=distance_m,
+        spacing=spacing,
     )
     search = EndlessSearch(problem, SEED)
     bounds = problem.v_bounds() if in_v else problem.bounds

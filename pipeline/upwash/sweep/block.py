@@ -18,6 +18,7 @@ from upwash.jobs.bird import AHEAD, BIRD_COLUMNS, Companion, NoBird, bird_of, in
 from upwash.jobs.job import BUILT_IN_SOLVER, Job
 from upwash.jobs.kind import Kind
 from upwash.optimum.settings import SearchSettings
+from upwash.optimum.spacing import UNITS, Spacing
 from upwash.species import ImpossibleAmplitude, Species
 from upwash.species.species import OF_THE_AMPLITUDE
 from upwash.sweep.choices import (
@@ -189,6 +190,7 @@ class Block:
                 kind=kind,
                 solver=self.solver,
                 distance_m=point["distance_m"].value if "distance_m" in point else None,
+                spacing=Spacing(**{name: point[name].value for name in UNITS if name in point}),
             )
         except WrongInput as error:
             raise UpwashError(f"{species.slug}: {error}; correct it", field=error.name) from error

@@ -6,6 +6,7 @@ from upwash import columns as of
 from upwash.aero.checked import REACH, Rule, one_of, positive, rules_of
 from upwash.aero.wake import LENGTH, NAMES, WakeModel
 from upwash.optimum.settings import SearchSettings
+from upwash.optimum.spacing import UNITS, Spacing
 from upwash.species.species import INPUT_RULES, OF_THE_AMPLITUDE
 
 CHOICES: dict[str, Rule] = {name: rules_of(SearchSettings)[name] for name in ("seed", "tolerance")}
@@ -28,7 +29,13 @@ PARTS: dict[str, Rule] = rules_of(WakeModel) | {
 }
 """Parts of a model of the wake."""
 
-PARAMETERS: dict[str, Rule] = {**INPUT_RULES, MODEL: one_of(NAMES), **PARTS, "distance_m": REACH}
+PARAMETERS: dict[str, Rule] = {
+    **INPUT_RULES,
+    MODEL: one_of(NAMES),
+    **PARTS,
+    "distance_m": REACH,
+    **rules_of(Spacing),
+}
 """Parameters of bird and wake, which a sweep may vary."""
 
 OF_THE_BIRD = tuple(INPUT_RULES)
@@ -39,7 +46,7 @@ STROKE_ANGLE, ALTITUDE = "stroke_half_angle_deg", "altitude_m"
 NOT_TOLD = (ALTITUDE, *(name for name in OF_THE_AMPLITUDE if name != STROKE_ANGLE))
 """Parameters that no job tells, but the density or the amplitude that follows from them."""
 
-UNSCALED = (MODEL, *(name for name in PARTS if name != "core_radius_ratio"), "distance_m", ALTITUDE)
+UNSCALED = (MODEL, *(name for name in PARTS if name != "core_radius_ratio"), "distance_m", ALTITUDE, *UNITS)
 """Parameters of which no sweep takes a factor: they are words or counts, or have no value of the species' own."""
 
 WORDED = frozenset(

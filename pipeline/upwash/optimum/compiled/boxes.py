@@ -15,6 +15,7 @@ from upwash.optimum.compiled.problem import (
 )
 from upwash.optimum.compiled.relaxation import MARGIN, ascend, contract, couple, relax
 from upwash.optimum.compiled.steps_enclosure import enclose_steps
+from upwash.optimum.compiled.walls import cut_by_walls
 from upwash.optimum.variables import SCALE, VARIABLE_COUNT
 
 TINY = 1e-9
@@ -168,6 +169,7 @@ def clear_boxes(
     first_lanes,
     constants,
     phase_end,
+    walls,
     centre,
 ):
     """Examine boxes from the top of a stack, and split those that stay open, until it is empty or the budget spent.
@@ -192,6 +194,8 @@ def clear_boxes(
         The problem, see `upwash.optimum.problem.PairProblem`.
     phase_end : float
         Greatest phase coordinate.
+    walls : (w, 7) ndarray of float
+        Limits of the place, see `upwash.optimum.compiled.walls`.
     centre : (6,) ndarray of float
         Overwritten: centre, in (x, y, z, h, R, t), of the last narrow box that stayed open, NaN if none did.
 
@@ -213,6 +217,8 @@ def clear_boxes(
         boxes += 1
         for i in range(VARIABLE_COUNT):
             low[i], high[i] = lows[height, i], highs[height, i]
+        if not cut_by_walls(low, high, walls):
+            continue
         nu[0], nu[1] = multipliers[height, 0], multipliers[height, 1]
         state, bound = examine(
             low, high, nu, lanes, first_lanes, constants, phase_end, limits, threshold, scratch, forms

@@ -59,6 +59,7 @@ def descent(
     look_from: Any,
     evaluate: Any,
     count_edges: Any,
+    count_walls: Any,
     edge_distance: Any,
     edge_pull: Any,
     *,
@@ -79,6 +80,8 @@ def descent(
         sides of the first `count` edges of `near`; none stands for all as they lie.
     count_edges : kernel
         (felt) -> number of core edges.
+    count_walls : kernel
+        (felt) -> number of walls that the place may not cross; they are numbered on after the core edges.
     edge_distance : kernel
         (point, felt, edge, gradient) -> s = r²/r_c² − 1; the gradient is filled in.
     edge_pull : kernel
@@ -159,8 +162,11 @@ def descent(
     def find_edges(point, felt, trust, gradient, reach):
         """List the core edges in reach of the trust region, the nearest if there are too many; return their number."""
         near, side, distance, slopes = reach.near, reach.side, reach.distance, reach.slopes
-        count = int(NONE)
-        for edge in range(count_edges(felt)):
+        count, kept = int(NONE), int(NONE)
+        edges, walls = count_edges(felt), count_walls(felt)
+        for number in range(edges + walls):
+            # Walls come first, and no edge takes the place of one.
+            edge = edges + number if number < walls else number - walls
             s = edge_distance(point, felt, edge, gradient)
             within = 0.0
             for i in range(VARIABLE_COUNT):
@@ -169,8 +175,8 @@ def descent(
                 continue
             place = count
             if count == MOST_INEQUALITIES:
-                place = 0
-                for k in range(1, count):
+                place = kept
+                for k in range(kept + 1, count):
                     if abs(distance[k]) > abs(distance[place]):
                         place = k
                 if abs(distance[place]) <= abs(s):
@@ -178,7 +184,9 @@ def descent(
             else:
                 count += 1
             near[place], distance[place] = edge, s
-            side[place] = 1.0 if s > 0.0 else -1.0
+            side[place] = 1.0 if s > 0.0 or number < walls else -1.0
+            if number < walls:
+                kept = count
             for i in range(VARIABLE_COUNT):
                 slopes[place, i] = gradient[i]
         return count
@@ -195,7 +203,8 @@ def descent(
             look_from(felt, room, near[k], side[k])
             for i in range(VARIABLE_COUNT):
                 reach.slopes[k, i] *= SCALE[i] * side[k]
-            reach.levels[k] = -side[k] * reach.distance[k]
+            # A wall that rounding has crossed is not crossed further.
+            reach.levels[k] = min(-side[k] * reach.distance[k], 0.0)
 
     @kernel(allocates=False)
     def find_step(point, felt, constants, room, multipliers, pins, reach, count, programme, balance):

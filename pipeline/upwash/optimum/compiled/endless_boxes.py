@@ -35,6 +35,7 @@ from upwash.optimum.compiled.endless_enclosure import (
 )
 from upwash.optimum.compiled.problem import cost_of
 from upwash.optimum.compiled.relaxation import MARGIN, ascend, contract, couple, relax
+from upwash.optimum.compiled.walls import cut_by_walls
 from upwash.optimum.variables import VARIABLE_COUNT
 
 _VALUE, _BY_X, _BY_Y, _BY_Z, _BY_RATIO, _RADIUS = (
@@ -186,13 +187,13 @@ def examine_endless(low, high, nu, wake, constants, limits, threshold, far, scra
 
 @kernel
 def clear_endless_boxes(
-    lows, highs, multipliers, floors, fars, height, limits, threshold, budget, wake, constants, centre
+    lows, highs, multipliers, floors, fars, height, limits, threshold, budget, wake, constants, walls, centre
 ):
     """Examine boxes from the top of a stack, and split those that stay open, until it is empty or the budget spent.
 
     Parameters
     ----------
-    lows, highs, multipliers, floors, height, limits, threshold, budget, centre
+    lows, highs, multipliers, floors, height, limits, threshold, budget, walls, centre
         As for `upwash.optimum.compiled.boxes.clear_boxes`.
     fars : (d, 3, 7) ndarray of float
         Of each box on the stack, an enclosure of the far runs' force, see `examine_endless`.
@@ -220,6 +221,8 @@ def clear_endless_boxes(
         boxes += 1
         for i in range(VARIABLE_COUNT):
             low[i], high[i] = lows[height, i], highs[height, i]
+        if not cut_by_walls(low, high, walls):
+            continue
         nu[0], nu[1] = multipliers[height, 0], multipliers[height, 1]
         for i in range(3):
             for k in range(7):

@@ -18,6 +18,7 @@ from upwash.kernel import kernel
 from upwash.optimum.compiled.descent import descent
 from upwash.optimum.compiled.endless_edges import edge_distance, edge_force, edge_pull
 from upwash.optimum.compiled.problem import add_own_flight
+from upwash.optimum.compiled.walls import NEVER_CROSSED, wall_value
 from upwash.optimum.variables import VARIABLE_COUNT
 
 
@@ -30,10 +31,13 @@ class FeltEndless(NamedTuple):
         The wake, in semispans and weights.
     stations : (2, 6, m) ndarray of float
         See `upwash.optimum.compiled.endless_edges`; none of a core without an edge.
+    walls : (w, 7) ndarray of float
+        Limits of the place, see `upwash.optimum.compiled.walls`; they are numbered on after the edges.
     """
 
     wake: EndlessWake
     stations: NDArray[np.float64]
+    walls: NDArray[np.float64]
 
 
 class EndlessRoom(NamedTuple):
@@ -56,6 +60,11 @@ class EndlessRoom(NamedTuple):
 def make_room(felt):
     """Return scratch for evaluations."""
     return EndlessRoom(np.empty((4, felt.wake.steps.shape[1])), np.empty(2), np.empty((2, VARIABLE_COUNT)))
+
+
+@kernel(allocates=False)
+def _count_edges(felt):
+    return felt.wake.steps.shape[1] * felt.stations.shape[2]
 
 
 @kernel(allocates=False)
@@ -95,8 +104,10 @@ def evaluate_endless(point, felt, constants, room, near, side, count, balance):
     jacobian[0, X] /= wake.wavelength
     jacobian[1, X] /= wake.wavelength
     room.force[0] = room.force[1] = 0.0
+    edges = _count_edges(felt)
     for k in range(count):
-        edge_force(point, wake, felt.stations, near[k], 1 if side[k] > 0.0 else -1, room.force, jacobian)
+        if near[k] < edges:
+            edge_force(point, wake, felt.stations, near[k], 1 if side[k] > 0.0 else -1, room.force, jacobian)
     cost = add_own_flight(point, constants, residual, balance.gradient, jacobian)
     residual[0] += room.force[0]
     residual[1] += room.force[1]
@@ -109,17 +120,22 @@ def _look_from(felt, room, edge, side):
 
 
 @kernel(allocates=False)
-def _count_edges(felt):
-    return felt.wake.steps.shape[1] * felt.stations.shape[2]
+def _count_walls(felt):
+    return felt.walls.shape[0]
 
 
 @kernel(allocates=False)
 def _edge_distance(point, felt, edge, gradient):
+    edges = _count_edges(felt)
+    if edge >= edges:
+        return wall_value(point, felt.walls, edge - edges, gradient)
     return edge_distance(point, felt.wake, felt.stations, edge, gradient)
 
 
 @kernel(allocates=False)
 def _edge_pull(point, felt, edge, multipliers, room):
+    if edge >= _count_edges(felt):
+        return NEVER_CROSSED
     return edge_pull(point, felt.wake, felt.stations, edge, multipliers, room.force, room.jacobian)
 
 
@@ -128,6 +144,7 @@ solve_endless, solve_many_endless, fill_endless_hessian = descent(
     _look_from,
     evaluate_endless,
     _count_edges,
+    _count_walls,
     _edge_distance,
     _edge_pull,
     varied=PHASE,

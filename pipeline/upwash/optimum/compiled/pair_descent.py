@@ -12,6 +12,7 @@ from upwash.kernel import kernel
 from upwash.optimum.compiled.descent import descent
 from upwash.optimum.compiled.edges import edge_distance, edge_pull
 from upwash.optimum.compiled.problem import evaluate
+from upwash.optimum.compiled.walls import NEVER_CROSSED, wall_value
 from upwash.optimum.variables import VARIABLE_COUNT
 
 
@@ -26,11 +27,14 @@ class FeltLanes(NamedTuple):
         Number of the edge of each filament and lane.
     representative : (e, 2) ndarray of int
         A lane and a filament of each edge.
+    walls : (w, 7) ndarray of float
+        Limits of the place, see `upwash.optimum.compiled.walls`; they are numbered on after the edges.
     """
 
     lanes: NDArray[np.float64]
     group: NDArray[np.int64]
     representative: NDArray[np.int64]
+    walls: NDArray[np.float64]
 
 
 @kernel
@@ -65,7 +69,15 @@ def _count_edges(felt):
 
 
 @kernel(allocates=False)
+def _count_walls(felt):
+    return felt.walls.shape[0]
+
+
+@kernel(allocates=False)
 def _edge_distance(point, felt, edge, gradient):
+    edges = felt.representative.shape[0]
+    if edge >= edges:
+        return wall_value(point, felt.walls, edge - edges, gradient)
     return edge_distance(
         point, felt.lanes, felt.representative[edge, 0], felt.representative[edge, 1], gradient
     )
@@ -73,6 +85,8 @@ def _edge_distance(point, felt, edge, gradient):
 
 @kernel(allocates=False)
 def _edge_pull(point, felt, edge, multipliers, edges):
+    if edge >= felt.representative.shape[0]:
+        return NEVER_CROSSED
     return edge_pull(point, felt.lanes, felt.group, edge, multipliers)
 
 
@@ -81,6 +95,7 @@ solve_local, solve_many, fill_hessian = descent(
     _look_from,
     _evaluate,
     _count_edges,
+    _count_walls,
     _edge_distance,
     _edge_pull,
     varied=VARIABLE_COUNT,

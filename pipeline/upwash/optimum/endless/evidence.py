@@ -11,6 +11,7 @@ from upwash.optimum.compiled.endless_edges import edge_distance, edge_pull
 from upwash.optimum.compiled.programme import new_balance
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.evidence import ON_EDGE, Evidence, weigh
+from upwash.optimum.spacing import touched_walls
 from upwash.optimum.steepness import Vicinity
 from upwash.optimum.variables import VARIABLE_COUNT
 
@@ -60,10 +61,11 @@ def gather_endless_evidence(problem: EndlessProblem, point: NDArray[np.float64])
         return found
 
     def pull(edge: int, multipliers: NDArray[np.float64]) -> float:
-        return edge_pull(point, *felt, edge, multipliers, room.force, room.jacobian)
+        return edge_pull(point, felt.wake, felt.stations, edge, multipliers, room.force, room.jacobian)
 
     normals[:, fixed] = 0.0
-    vicinity = Vicinity(on_edge, normals[on_edge], slopes, pull, hessian)
+    touched = touched_walls(problem.wall_names, problem.walls, point)
+    vicinity = Vicinity(on_edge, normals[on_edge], touched, slopes, pull, hessian)
     return weigh(point, problem.bounds, vicinity, unbounded=(X,), fixed=fixed)
 
 
@@ -72,7 +74,7 @@ def _edge_distances(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the distances of all core edges and their gradients."""
     count = problem.wake_felt.steps.shape[1] * problem.stations.shape[2]
-    distances, normals = np.empty(count), np.empty((count, VARIABLE_COUNT))
+    distances, normals, felt = np.empty(count), np.empty((count, VARIABLE_COUNT)), problem.felt
     for edge in range(count):
-        distances[edge] = edge_distance(point, *problem.felt, edge, normals[edge])
+        distances[edge] = edge_distance(point, felt.wake, felt.stations, edge, normals[edge])
     return distances, normals

@@ -78,12 +78,18 @@ class EndlessProblem(PairProblem):
     @property
     def felt(self) -> FeltEndless:
         """The wake as the local solve takes it."""
-        return FeltEndless(self.wake_felt, self.stations)
+        return FeltEndless(self.wake_felt, self.stations, self.walls)
 
     @property
     def is_symmetric(self) -> bool:
         """Whether (Φ, z) and (−Φ, −z) are alike: the follower is as long on its way up as down, and held as evenly."""
         return self.model.span_law == "stroke" and self.model.stroke_rule == "gauss"
+
+    @property
+    def distance_asked_m(self) -> float | None:
+        """How far behind the follower flies, in m."""
+        # The leader is known before the distance is put in.
+        return DISTANCE * self.leader.wavelength_m if self.distance_m is None else self.distance_m
 
     @property
     def is_mirrored_in_phase(self) -> bool:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from upwash.optimum.compiled.endless_descent import FeltEndless, solve_many_endless
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.problem import OUTBOARD
-from upwash.optimum.search import Basin, Search, merge_basins
+from upwash.optimum.search import Basin, Search, merge_basins, parts_of
 from upwash.optimum.variables import VARIABLE_COUNT, neighbourhood_of
 
 BEYOND = 0.2
@@ -76,7 +76,7 @@ class EndlessSearch(Search):
 
     def explore_places(self, count: int) -> None:
         """Solve from so many starts outboard and inboard."""
-        for side in ((0.0, OUTBOARD), (OUTBOARD, self.problem.bounds[1, 1])):
+        for side in parts_of(self.problem.bounds[1], OUTBOARD):
             place = self.problem.bounds.copy()
             place[1] = side
             self.explore(self.random_starts(place, count))

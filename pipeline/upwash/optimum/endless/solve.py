@@ -191,6 +191,7 @@ def certify_endless(
             min(SEARCH_EVERY, budget - boxes),
             problem.enclosure,
             problem.constants,
+            problem.walls,
             centre,
         )
         boxes, left_open = boxes + examined, min(left_open, given_up)
