@@ -84,4 +84,5 @@ $(VENV)/installed-bench: requirements-bench.lock
 $(STAMPS): pyproject.toml | $(BIN)/python
 	$(PIP) install --require-hashes -r $(filter %.lock,$^)
 	$(PIP) install --no-deps --no-build-isolation --editable .
+	$(BIN)/upwash warm >/dev/null
 	@touch $@

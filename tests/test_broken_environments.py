@@ -53,6 +53,7 @@ COMMANDS = {
     "page": ["page", RESULTS],
     "claims": ["claims", RESULTS],
     "literature": ["literature"],
+    "warm": ["warm"],
     "a mistake": ["optimum", "no-such-bird"],
 }
 # Runs the commands above one after another, for minutes.

@@ -16,7 +16,18 @@ from upwash import cli
 from upwash.cli import streams
 from upwash.errors import CheckFailed, UpwashError
 
-HEAVY = {"duckdb", "jinja2", "matplotlib", "numba", "numpy", "pandas", "pyarrow", "scipy"}
+HEAVY = {
+    "duckdb",
+    "jinja2",
+    "joblib",
+    "matplotlib",
+    "numba",
+    "numpy",
+    "pandas",
+    "pyarrow",
+    "scipy",
+    "scipy.stats",
+}
 NAMES = sorted(name for commands in cli.COMMANDS.values() for name in commands)
 MODULES = sorted({module for commands in cli.COMMANDS.values() for module, _ in commands.values()})
 
@@ -62,6 +73,16 @@ class TestStartsAtOnce:
 
     def test_importing_the_package_imports_nothing_heavy(self):
         assert heavy_modules_after("import upwash") == set()
+
+    @pytest.mark.parametrize("command", ["optimum", "flock", "species show"])
+    def test_an_answer_imports_nothing_of_pictures_workers_and_samples(self, command):
+        arguments = [
+            *command.split(),
+            "northern-bald-ibis",
+            *(["--birds", "2"] if command == "flock" else []),
+        ]
+        run = f"from upwash.cli import main\nmain({arguments}, standalone_mode=False)"
+        assert not heavy_modules_after(run) & {"duckdb", "jinja2", "joblib", "matplotlib", "scipy.stats"}
 
 
 class TestHelp:

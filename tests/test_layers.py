@@ -49,8 +49,10 @@ MAY_IMPORT = {
         "species",
         "study",
     },
+    "ahead": {"aero", "errors", "kernel", "optimum", "species", "study"},
     "cli": {
         "aero",
+        "ahead",
         "batch",
         "columns",
         "errors",

@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 from report import studies
 from upwash import Pose, cli
+from upwash.ahead import PARTS, Compiled
 from upwash.batch.check import Checked
 from upwash.batch.dry_run import Foresight
 from upwash.batch.runner import Tally
@@ -59,6 +60,7 @@ CALLS = {
     "reproduce": [],
     "claims": [RESULTS],
     "literature": [],
+    "warm": [],
 }
 # What is chosen where it does not follow from the option's type.
 VALUES = {
@@ -247,6 +249,9 @@ def see(template, tmp_path, monkeypatch):
     stand_in("upwash.report.explorer.page.write_explorer", lambda path: path)
     stand_in("upwash.report.page.write_page", lambda *given: "index.html")
     stand_in("upwash.cli.reproduce.solve_and_check", stop)
+    stand_in(
+        "upwash.ahead.compile_ahead", lambda begun: [Compiled(part, 0) for part in PARTS if not begun(part)]
+    )
 
     def run(path, options):
         calls.clear()

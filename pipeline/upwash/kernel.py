@@ -35,6 +35,7 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, CompileResult
 from numba.core.compiler_machinery import PassManager
 from numba.core.dispatcher import Dispatcher
+from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 from numba.core.typed_passes import DumpParforDiagnostics, InlineOverloads, NopythonRewrites
 from numba.core.untyped_passes import (
@@ -54,7 +55,9 @@ SUFFIX = ".kernel"
 DIGEST_SIZE = sha256().digest_size
 OF_ONE_USER = "upwash-kernels-"
 
-COMPILING = "compiling, once for this version of the kernels: about 15 s"
+COMPILING = (
+    "compiling what this needs, once for this version of the kernels: 5 to 20 s ('upwash warm' compiles all)"
+)
 """What a person is told before the first kernel is compiled; it takes far longer than a solve."""
 
 LOGGER = logging.getLogger(__name__)
@@ -227,7 +230,8 @@ class _Kept:
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Return the code that is kept for some argument types, or None."""
-        context.refresh()
+        # Kept code needs numba's memory, and not the registries that compiling needs, which take longer to load.
+        rtsys.initialize(context)
         for folder in cache_folders():
             with suppress(OSError):
                 data = (folder / self._file(signature)).read_bytes() if _is_ours(folder) else b""
@@ -242,6 +246,7 @@ class _Kept:
         """Keep the code for some argument types; where no folder can be written it serves this process alone."""
         if result.lifted or result.library.has_dynamic_globals:
             raise TypeError(f"{self._dispatcher}: expected code that can be kept, found addresses in it")
+        LOGGER.debug("compiled %s", self._dispatcher.py_func.__qualname__)
         reduced = result._reduce()
         for environment in reduced[-1]:  # those of parts, which had no place before
             result.library.codegen.set_env(environment.env_name, environment)

@@ -50,6 +50,9 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "claims": ("claims", "Judge each claim of the paper by our numbers."),
         "literature": ("literature", "Set what others published beside both models."),
     },
+    "This machine": {
+        "warm": ("warm", "Compile now what commands would compile when first called."),
+    },
 }
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells report it
