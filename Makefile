@@ -32,6 +32,7 @@ reproduce: $(VENV)/installed  ## redo the paper: solve, check, print its table b
 
 reference: $(VENV)/installed  ## renew results/reference/ and what shows it in README and docs, when results are meant to change
 	$(BIN)/python tools/renew_phase.py
+	$(BIN)/python tools/renew_published.py
 	$(BIN)/python tools/renew_reference.py
 	$(BIN)/python tools/renew_claims.py
 	$(BIN)/python tools/renew_literature.py

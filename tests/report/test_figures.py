@@ -40,6 +40,7 @@ from upwash.study.airspeed import best_speed
 from upwash.study.comparison import compare
 from upwash.study.field import plane_through
 from upwash.study.observations import read_observations
+from upwash.study.observed.published_savings import read_published_savings
 
 from report import studies
 
@@ -97,6 +98,7 @@ def everything(pair, flock, species, varied, limit):
         claims=kept(),
         observations=read_observations(),
         phase=sources.read_phase(),
+        observed=read_published_savings(),
         folders={},
     )
 
@@ -682,3 +684,18 @@ class TestSources:
         path.write_bytes((folders["pair"] / "solutions.parquet").read_bytes()[:-100])
         with pytest.raises(UpwashError, match="upwash check"):
             figures.draw("lone-wake", tmp_path)
+
+
+class TestObservedSaving:
+    def test_each_place_stands_on_a_line_in_both_panels(self):
+        observed = read_published_savings()
+        figure = FIGURES["observed-saving"].draw(observed)
+        for model in ("paper", "limit"):
+            rows = observed[observed["model"] == model]
+            saved = np.concatenate([line(figure, f"{basis} {model}") for basis in ("measured", "computed")])
+            assert sorted(saved[:, 0]) == pytest.approx(sorted(rows["saving_total"]))
+            assert sorted(saved[:, 1]) == list(range(len(rows)))
+            assert line(figure, f"optimum {model}")[:, 0] == pytest.approx(rows["saving_at_v_optimum"])
+            assert line(figure, f"mean {model}")[:, 0] == pytest.approx(rows["saving_mean_phase"])
+        names = [text.get_text() for text in figure.axes[0].get_yticklabels()]
+        assert names[1] == "Northern bald ibis, 0.90 m aside (Portugal 2014)"

@@ -70,7 +70,7 @@ class TestLoading:
             for name in chapter.figures
             if not name.startswith(("species", "speed", "parameter", "refinement"))
         ]
-        assert len(widths) == len(shown) == 13
+        assert len(widths) == len(shown) == 14
         assert all(width > 300 for width in widths)
 
     @pytest.mark.parametrize("width", [320, 390, 1000, 1280])
@@ -235,7 +235,7 @@ class TestContent:
             'Array.from(document.querySelectorAll("a[download]"), (link) => link.getAttribute("href"))'
         )
         assert "solutions.parquet" in links and "../flock/flock.parquet" in links
-        assert len(links) == 13 * 3 + 7
+        assert len(links) == 14 * 3 + 7
         assert all((written.parent / link).stat().st_size > 1000 for link in links)
 
     def test_the_line_shown_makes_the_figure(self, page, tmp_path, monkeypatch):

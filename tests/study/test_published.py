@@ -6,6 +6,14 @@ from upwash.errors import UpwashError
 from upwash.study.observations import OBSERVATIONS, read_observations
 from upwash.study.observed.file import PUBLISHED, read_birds, read_pieces
 from upwash.study.observed.published import is_published, published_places
+from upwash.study.observed.published_savings import (
+    SAVINGS,
+    SPECIES,
+    published_savings,
+    read_published_savings,
+)
+
+KEPT = read_published_savings()
 
 
 def places(name):
@@ -43,3 +51,26 @@ def test_a_species_without_a_published_place_is_one_line():
     with pytest.raises(UpwashError, match="common-starling, dunlin, greylag-goose.*found mute-swan") as error:
         places("mute-swan")
     assert "brown-pelican" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name == "dunlin" else pytest.mark.thorough) for name in SPECIES]
+)
+def test_what_is_kept_is_what_comes_out(name):
+    found, kept = published_savings([name]), KEPT[KEPT["species"] == name].reset_index(drop=True)
+    assert list(found) == list(kept) == list(SAVINGS)
+    for column in SAVINGS:
+        if found[column].dtype.kind == "f":
+            # The best phase may lie anywhere where the saving hardly depends on it.
+            tolerance = 1e-3 if column == "phase" else 2e-6
+            assert found[column].to_numpy() == pytest.approx(kept[column].to_numpy(), abs=tolerance), column
+        else:
+            assert list(found[column]) == list(kept[column])
+
+
+def test_all_species_of_which_a_place_is_published_are_kept():
+    assert set(KEPT["species"]) == set(SPECIES)
+    observations = read_observations()
+    for name in set(observations["species"]) - set(SPECIES):
+        with pytest.raises(UpwashError):
+            published_places(name, load_species(name).bird(), observations)

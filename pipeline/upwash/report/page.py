@@ -161,7 +161,8 @@ def _figure(name: str, frames: dict[str, Any], folder: Path, sources: Sources) -
     width, height = (
         float(size) * 4.0 / 3.0 for size in re.findall(rb'(?:width|height)="([\d.]+)pt"', svg[:2000])[:2]
     )
-    origin = sources.folders[picture.needs[0]]
+    # What is kept with the code comes with any folder.
+    origin = sources.folders.get(picture.needs[0], folder)
     return {
         "name": name,
         "title": picture.title,

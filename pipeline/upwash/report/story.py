@@ -180,6 +180,14 @@ CHAPTERS = (
         _limit_tables,
     ),
     Chapter(
+        "observed",
+        "What birds save where they were seen",
+        "Birds fly where they like, and drift. What is published of where they fly, evaluated as it stands: the "
+        "paper's best place is a few centimetres wide, and no species was seen in it.",
+        ("observed-saving",),
+        "It takes what is kept with the code.",
+    ),
+    Chapter(
         "flock",
         "A flock",
         "A flock is a chain of pairs: each bird flies in the wake of the one ahead, at its own optimum there.",

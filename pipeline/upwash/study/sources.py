@@ -23,6 +23,7 @@ from upwash.shipped import shipped
 from upwash.species.library import LIBRARY_FOLDER, REFERENCE, load_species
 from upwash.study.intervals import KEYS
 from upwash.study.observations import read_observations
+from upwash.study.observed.published_savings import read_published_savings
 from upwash.study.studies import samples_beside
 
 # What one problem is told from another by, the objective apart.
@@ -71,6 +72,8 @@ class Sources:
         What was measured on birds.
     phase : DataFrame
         What the paper's bird saves in every phase, kept with the code.
+    observed : DataFrame
+        What birds save where they were published to fly, kept with the code.
     folders : dict of str to Path
         Frame -> the folder that it was read from.
     """
@@ -86,6 +89,7 @@ class Sources:
     claims: pd.DataFrame | None
     observations: pd.DataFrame
     phase: pd.DataFrame
+    observed: pd.DataFrame
     folders: dict[str, Path]
 
 
@@ -126,7 +130,7 @@ def sort_studies(studies: Iterable[Study]) -> Sources:
 
     The first study that has a frame gives it; of those that vary inputs, the first that varies the most.
     """
-    always = ("observations", "phase", "folders")
+    always = ("observations", "phase", "observed", "folders")
     frames: dict[str, pd.DataFrame | None] = {
         field.name: None for field in fields(Sources) if field.name not in always
     }
@@ -135,7 +139,13 @@ def sort_studies(studies: Iterable[Study]) -> Sources:
         for name, rows in _frames_of(study).items():
             if rows is not None and _is_better(name, rows, frames[name]):
                 frames[name], folders[name] = rows, study.path
-    return Sources(**frames, observations=read_observations(), phase=read_phase(), folders=folders)
+    return Sources(
+        **frames,
+        observations=read_observations(),
+        phase=read_phase(),
+        observed=read_published_savings(),
+        folders=folders,
+    )
 
 
 def read_phase() -> pd.DataFrame:
