@@ -302,8 +302,11 @@ ENDS = {
     "wingtip_gap_min_m": (-1000.0, 1000.0),
     "distance_min_m": REACH,
     "bearing_max_deg": (0.1, 90.0),
+    "wing_area_m2": REACH,
+    "body_drag_coefficient": REACH,
+    "altitude_m": (0.0, 11000.0),
 }
-OF_WORDS = [name for name in PARAMETERS if name not in ENDS]
+OF_WORDS = [name for name, rule in PARAMETERS.items() if rule.words.startswith("one of ")]
 
 
 @pytest.mark.parametrize("name", [name for name in (*PARAMETERS, *CHOICES) if name not in OF_WORDS])

@@ -14,7 +14,7 @@ from upwash.cli.printing import as_json
 from upwash.cli.streams import at_work
 from upwash.optimum.settings import FLOCK_CHOICES
 from upwash.species import AMPLITUDE_CONVENTIONS
-from upwash.sweep.choices import SPEEDS
+from upwash.sweep.speeds import SPEEDS
 
 amplitude_option = click.option(
     "--amplitude",

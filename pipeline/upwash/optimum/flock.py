@@ -94,8 +94,8 @@ def solve_flock(
     [0.0, 0.17, 0.18]
     """
     one_of(COST_FUNCTIONS)("objective", objective)
+    BIRDS("birds", 1 + len(members) if members else birds)
     kinds = (bird, *members) if members else (bird,) * birds
-    BIRDS("birds", len(kinds) if members else birds)
     rules, model, search = rules or FlockRules(), model or WakeModel(), search or SearchSettings()
     need_solvable(model, rules)
     placed = [Member(1, 0, Place(0, Pose(0.0, 0.0, 0.0, bird.stroke, 0.0), bird))]

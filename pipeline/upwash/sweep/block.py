@@ -22,9 +22,7 @@ from upwash.optimum.spacing import UNITS, Spacing
 from upwash.species import ImpossibleAmplitude, Species
 from upwash.species.species import OF_THE_AMPLITUDE
 from upwash.sweep.choices import (
-    FOLLOWERS,
     LEADER,
-    LEADERS,
     MEMBERS,
     MODEL,
     OF_THE_BIRD,
@@ -32,6 +30,7 @@ from upwash.sweep.choices import (
     SPEED_OF,
     STROKE_ANGLE,
 )
+from upwash.sweep.speeds import FOLLOWERS, LEADERS
 from upwash.sweep.values import Setting, unit_sample
 
 # Where a job's inputs are named otherwise than in a sweep file.

@@ -26,12 +26,12 @@ from upwash.sweep.choices import (
     PARAMETERS,
     PHASE_LOCK,
     SPEED_OF,
-    SPEEDS,
     UNSCALED,
     WORDED,
     rule_of,
 )
 from upwash.sweep.entry import Entry
+from upwash.sweep.speeds import SPEEDS
 from upwash.sweep.values import MAX_POINTS, SAMPLERS, Setting, is_number, sampling_range, settings
 
 DEFAULTS: dict[str, Any] = {"objective": "force", "amplitude": "stroke-angle", "seed": 0, "tolerance": 1e-4}

@@ -16,10 +16,6 @@ LEADER, SPEED_OF, PHASE_LOCK, MEMBERS = "leader", "speed_of", "phase_lock", "mem
 """Keys of birds that need not be alike: the bird ahead in a pair, whose speed both fly at, whether they beat in step;
 and the birds of a flock."""
 
-FOLLOWERS, LEADERS, MEAN = "follower", "leader", "mean"
-SPEEDS = (FOLLOWERS, LEADERS, MEAN)
-"""Whose speed a pair may fly at: one bird's own, or the mean of the two."""
-
 MODEL = "model"
 """The parameter that names a model of the wake, of which others then are parts."""
 

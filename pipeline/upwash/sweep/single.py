@@ -24,7 +24,6 @@ from upwash.sweep.block import Block, Sample, model_of
 from upwash.sweep.choices import (
     ALTITUDE,
     CHOICES,
-    FOLLOWERS,
     LEADER,
     MEMBERS,
     MODEL,
@@ -32,6 +31,7 @@ from upwash.sweep.choices import (
     PARAMETERS,
     SPEED_OF,
 )
+from upwash.sweep.speeds import FOLLOWERS
 from upwash.sweep.values import Setting
 
 
