@@ -1,7 +1,7 @@
 # Upwash. `make` alone lists what there is to do. Needs only make and a Python 3.11 or newer.
 
 .DEFAULT_GOAL := help
-.PHONY: help install test thorough portable reproduce reference wheel check bench mutants docs clean lock
+.PHONY: help install test thorough portable reproduce reference wheel check bench uvlm mutants docs clean lock
 .DELETE_ON_ERROR:
 
 # The first of these that is a Python 3.11 or newer and can make virtual environments; `make PYTHON=… test` overrides.
@@ -48,6 +48,10 @@ check: $(VENV)/installed-dev  ## lint and type-check
 bench: $(VENV)/installed-bench  ## measure what is fast, and against what
 	$(BIN)/python -m benchmarks
 
+uvlm: $(VENV)/installed-uvlm  ## fly the ibis in an unsteady vortex lattice anew: results/crosscheck/, docs/lattice.md (minutes)
+	$(BIN)/python -m benchmarks.uvlm
+	$(BIN)/python tools/renew_lattice.py
+
 mutants: $(VENV)/installed-bench  ## put a hundred faults into the code, one at a time, and count those that tests notice (hours)
 	$(BIN)/python tools/mutants.py
 
@@ -65,6 +69,7 @@ lock: $(BIN)/python  ## renew the lock files from pyproject.toml (UPGRADE=--upgr
 	$(COMPILE) -o requirements.lock
 	$(COMPILE) --extra dev -c requirements.lock -o requirements-dev.lock
 	$(COMPILE) --extra bench -c requirements-dev.lock -o requirements-bench.lock
+	$(COMPILE) --extra uvlm -c requirements-bench.lock -o requirements-uvlm.lock
 
 COMPILE = echo 'setuptools>=77' | $(BIN)/python -m uv pip compile pyproject.toml - --quiet --universal \
 	--python-version 3.11 --generate-hashes --no-header --no-annotate --no-emit-package upwash $(UPGRADE)
@@ -78,10 +83,11 @@ $(BIN)/python:
 	$(PYTHON) -m venv $(VENV)
 
 # What .venv holds, as stamps; each is renewed when its lock file changes.
-STAMPS := $(VENV)/installed $(VENV)/installed-dev $(VENV)/installed-bench
+STAMPS := $(VENV)/installed $(VENV)/installed-dev $(VENV)/installed-bench $(VENV)/installed-uvlm
 $(VENV)/installed: requirements.lock
 $(VENV)/installed-dev: requirements-dev.lock
 $(VENV)/installed-bench: requirements-bench.lock
+$(VENV)/installed-uvlm: requirements-uvlm.lock
 $(STAMPS): pyproject.toml | $(BIN)/python
 	$(PIP) install --require-hashes -r $(filter %.lock,$^)
 	$(PIP) install --no-deps --no-build-isolation --editable .
