@@ -38,9 +38,10 @@ def phase_sweeps(flights: pd.DataFrame) -> Iterator[tuple[float, float, float, p
     found = followers(flights)
     # Others at the same place, in phase with the leader's path, are of the row of distances aside.
     found = found[np.isclose(found["phase"] * PHASES, np.round(found["phase"] * PHASES))]
-    for (angle, x, y), group in found.groupby(["half_angle_deg", "x_m", "y_m"]):
+    for _, group in found.groupby(["half_angle_deg", "x_m", "y_m"]):
         if len(group) == PHASES:
-            yield float(angle), float(x), float(y), group.sort_values("phase")
+            angle, x, y = group[["half_angle_deg", "x_m", "y_m"]].to_numpy()[0].tolist()
+            yield angle, x, y, group.sort_values("phase")
 
 
 def best_phases(flights: pd.DataFrame, wavelength_m: float) -> pd.DataFrame:
@@ -108,10 +109,10 @@ def aside(flights: pd.DataFrame, bird: Bird) -> pd.DataFrame:
 def beside_models(found: pd.DataFrame, bird: Bird) -> pd.DataFrame:
     """Return followers with the saving of total power by each model at their places."""
     shown = found[["half_angle_deg", "x_m", "y_m", "z_m", "phase", "saving"]].reset_index(drop=True)
+    places = shown[["half_angle_deg", "x_m", "y_m", "z_m", "phase"]].to_numpy().tolist()
     for name, model in MODELS.items():
         shown[name] = [
-            _model_saving(_flapping(bird, row.half_angle_deg), model, (row.x_m, row.y_m, row.z_m, row.phase))
-            for row in shown.itertuples()
+            _model_saving(_flapping(bird, angle), model, (x, y, z, phase)) for angle, x, y, z, phase in places
         ]
     return shown
 
@@ -121,7 +122,7 @@ def _flapping(bird: Bird, half_angle_deg: float) -> Bird:
     return replace(bird, amplitude_m=amplitude)
 
 
-def _model_saving(bird: Bird, model: WakeModel, place: tuple[float, ...]) -> float:
+def _model_saving(bird: Bird, model: WakeModel, place: tuple[float, float, float, float]) -> float:
     strokes = Behind(bird, "power", model=model).balances([place]).strokes
     return 1.0 - float(strokes[0].cost) if strokes else math.nan
 
