@@ -112,3 +112,54 @@ def test_ids_that_stand_twice_are_told_and_kept(run):
     result = run("id,x_m,y_m,z_m,phase\na,1.2,0.9,0,0.5\na,1.3,0.9,0,0.5\n", "--json")
     assert [row["id"] for row in json.loads(result.stdout)] == ["a", "a"]
     assert "id: 2 rows share theirs with another" in result.stderr
+
+
+FLIGHT = "time,bird,x_m,y_m\n" + "".join(
+    f"{time},{bird},{x},{y}\n" for time in (1, 1, 2, 3) for bird, x, y in (("A", 0, 0), ("B", 1.2, 0.9))
+).replace("1,A,0,0\n1,B,1.2,0.9\n1,A,0,0\n1,B", "1,A,0,0\n1,B,1.2,0.9\n1,C,2.4,0\n1,D")
+
+
+class TestLongFlights:
+    """More rows of birds at all times than are read at once."""
+
+    def test_those_of_a_time_stay_together_wherever_a_piece_ends(self, run, monkeypatch):
+        whole = run(FLIGHT, "--pairs", "--csv")
+        assert whole.exit_code == 0 and whole.stdout.count("\n") == 9, whole.stderr
+        monkeypatch.setattr("upwash.study.observed.file.ROWS_TOGETHER", 2)
+        for rows in (1, 3, 4, 5):
+            monkeypatch.setattr("upwash.study.observed.file.ROWS_AT_ONCE", rows)
+            assert run(FLIGHT, "--pairs", "--csv").stdout == whole.stdout
+
+    def test_a_time_that_comes_again_is_one_line_and_no_file(self, run, tmp_path, monkeypatch):
+        content = FLIGHT + "1,E,3,1\n"
+        assert run(content, "--pairs", "--csv").exit_code == 0
+        monkeypatch.setattr("upwash.study.observed.file.ROWS_TOGETHER", 2)
+        monkeypatch.setattr("upwash.study.observed.file.ROWS_AT_ONCE", 2)
+        result = run(content, "--pairs", "--output", "told.parquet")
+        assert result.exit_code == 2 and not (tmp_path / "told.parquet").exists()
+        assert "found time 1 again after others; sort the table by time" in result.stderr
+
+
+def test_one_follower_behind_two_leaders_and_one_ahead_of_its_own(run):
+    flight = "time,bird,x_m,y_m,phase\n0,A,0,0,0.9\n0,B,0.1,1.8,0.8\n0,C,1.3,0.9,0.5\n"
+    rows = json.loads(run(flight, "--pairs", "--json").stdout)
+    # Behind two that are nearly abreast it follows the nearer, or feels both.
+    assert [row["leader"] for row in rows] == [None, "A", "B"]
+    both = json.loads(run(flight, "--pairs", "--wake", "all-upstream", "--json").stdout)
+    assert both[2]["saving_total"] != rows[2]["saving_total"] and both[2]["leader"] == "B"
+    told = json.loads(run("bird,x_m,y_m\nfirst,-0.5,1\nsecond,1.2,1\n", "--json").stdout)
+    assert [row["outcome"] for row in told] == ["invalid", "saves"]
+    assert "this bird is ahead of it" in told[0]["reason"]
+
+
+def test_a_column_of_nothing_or_of_nan_is_as_if_it_were_not_there(run):
+    bare = json.loads(run("x_m,y_m\n1.2,0.9\n", "--json").stdout)
+    for content in (
+        "x_m,y_m,phase\n1.2,0.9,\n",
+        "x_m,y_m,phase\n1.2,0.9,NaN\n",
+        "x_m,y_m,z_m\n1.2,0.9,nan\n",
+    ):
+        told = json.loads(run(content, "--json").stdout)
+        assert told[0]["saving_total"] == bare[0]["saving_total"]
+    nothing = json.loads(run("x_m,y_m\nNaN,0.9\n1.2,0.9\n", "--json").stdout)
+    assert [row["outcome"] for row in nothing] == ["invalid", "saves"]

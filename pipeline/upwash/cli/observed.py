@@ -121,7 +121,7 @@ def evaluate(
     from upwash.report.observed_answer import ROWS_SHOWN, first_rows, records, summary
     from upwash.species import load_species
     from upwash.study.observed.evaluation import Evaluation
-    from upwash.study.observed.file import evaluation_file, read_birds
+    from upwash.study.observed.file import evaluation_file, read_birds, read_flights
     from upwash.study.observed.tally import EvaluationTally
 
     if as_csv and json_output:
@@ -133,7 +133,12 @@ def evaluate(
     with ExitStack() as stack:
         said = {"species": chosen["species"], "objective": asked.objective, "bounds": asked.bounds}
         writer = stack.enter_context(evaluation_file(output, said)) if output else None
-        for piece in read_birds(table, species.slug, evaluation.bird, whole=asked.pairs):
+        pieces = (
+            read_flights(table, asked.reading)
+            if asked.pairs
+            else read_birds(table, species.slug, evaluation.bird)
+        )
+        for piece in pieces:
             told = evaluation(piece)
             if as_csv:
                 click.echo(told.to_csv(index=False, header=tally.rows == 0, lineterminator="\n"), nl=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +21,14 @@ from upwash.jobs.schema import schema_of
 from upwash.shipped import shipped
 from upwash.study.observed.pairs import one_ahead
 from upwash.study.observed.published import is_published, published_places
-from upwash.study.observed.table import Reading, read_rows
+from upwash.study.observed.table import Reading, named, read_rows
 from upwash.study.told import EVALUATION
 
 ROWS_AT_ONCE = 20_000
 """Rows of a piece."""
+
+ROWS_TOGETHER = 200_000
+"""So many rows of birds at all times are sorted out here; those of a longer table must come in the order of time."""
 
 PARQUET = (".parquet", ".pq")
 TEXT = (".csv", ".txt", ".tsv")
@@ -33,15 +37,13 @@ PUBLISHED = Path("species/observations.csv")
 """The published observations that come with Upwash."""
 
 
-def read_pieces(path: Path, whole: bool = False) -> Iterator[pd.DataFrame]:
+def read_pieces(path: Path) -> Iterator[pd.DataFrame]:
     """Read a table piece by piece; what stands in a CSV file stays text, so that names of birds stay what they are.
 
     Parameters
     ----------
     path : Path
         A file whose name ends in .csv, .txt or .tsv (separated by tabs), or .parquet.
-    whole : bool
-        Whether the table is to be one piece.
 
     Raises
     ------
@@ -55,11 +57,7 @@ def read_pieces(path: Path, whole: bool = False) -> Iterator[pd.DataFrame]:
         )
     is_empty = True
     with _noticing(path):
-        pieces = (
-            _parquet(path, whole)
-            if ending in PARQUET
-            else _text(path, whole, "\t" if ending == ".tsv" else ",")
-        )
+        pieces = _parquet(path) if ending in PARQUET else _text(path, "\t" if ending == ".tsv" else ",")
         for piece in pieces:
             is_empty &= piece.empty
             if not piece.empty:
@@ -70,7 +68,7 @@ def read_pieces(path: Path, whole: bool = False) -> Iterator[pd.DataFrame]:
         )
 
 
-def _text(path: Path, whole: bool, separator: str) -> Iterator[pd.DataFrame]:
+def _text(path: Path, separator: str) -> Iterator[pd.DataFrame]:
     with path.open(encoding="utf-8-sig", newline="") as file:
         names = [name.strip() for name in next(csv.reader(file, delimiter=separator), [])]
     twice = sorted({name for name in names if names.count(name) > 1})
@@ -91,20 +89,15 @@ def _text(path: Path, whole: bool, separator: str) -> Iterator[pd.DataFrame]:
     ) as reader:
         while True:
             try:
-                piece = reader.read() if whole else reader.get_chunk(ROWS_AT_ONCE)
+                piece = reader.get_chunk(ROWS_AT_ONCE)
             except StopIteration:
                 return
             piece.columns = [str(name).strip() for name in piece.columns]
             yield piece
-            if whole:
-                return
 
 
-def _parquet(path: Path, whole: bool) -> Iterator[pd.DataFrame]:
+def _parquet(path: Path) -> Iterator[pd.DataFrame]:
     with pq.ParquetFile(path) as file:
-        if whole:
-            yield file.read().to_pandas()
-            return
         for batch in file.iter_batches(ROWS_AT_ONCE):
             yield batch.to_pandas()
 
@@ -130,7 +123,61 @@ def _noticing(path: Path) -> Iterator[None]:
         raise UpwashError(f"{path}: expected a Parquet file, found: {found}; save it again") from error
 
 
-def read_birds(path: Path, species: str, bird: Bird, whole: bool = False) -> Iterator[pd.DataFrame]:
+def read_flights(path: Path, reading: Reading) -> Iterator[pd.DataFrame]:
+    """Read a table of all birds at each time, so that the rows of a time are in one piece.
+
+    Parameters
+    ----------
+    path : Path
+        As for `read_pieces`; with more than `ROWS_TOGETHER` rows the rows of a time must follow one another.
+    reading : Reading
+        What its columns are called.
+
+    Raises
+    ------
+    UpwashError
+        As by `read_pieces`, if it has no column of times, or if rows of one time lie apart in a long table.
+    """
+    pieces, few, count = read_pieces(path), [], 0
+    for piece in pieces:
+        few.append(piece)
+        count += len(piece)
+        if count > ROWS_TOGETHER:
+            break
+    first = pd.concat(few, ignore_index=True)
+    if count <= ROWS_TOGETHER:
+        yield first
+        return
+    name = named(first, reading, ("time",))["time"]
+    seen: set[str] = set()
+    rest = first.iloc[:0]
+    for piece in chain([first], pieces):
+        rows = pd.concat([rest, piece], ignore_index=True)
+        times = rows[name].astype(str)
+        # The last time of a piece may go on in the next one.
+        goes_on = len(rows) - int(np.argmax((times != times.iloc[-1]).to_numpy()[::-1]))
+        if (times == times.iloc[-1]).all():
+            rest = rows
+            continue
+        _note_times(path, seen, times.iloc[:goes_on])
+        rest = rows.iloc[goes_on:]
+        yield rows.iloc[:goes_on]
+    _note_times(path, seen, rest[name].astype(str))
+    yield rest
+
+
+def _note_times(path: Path, seen: set[str], times: pd.Series) -> None:
+    """Note which times were met, none of which may come again."""
+    new = set(times)
+    if again := seen & new:
+        raise UpwashError(
+            f"{path}: expected the rows of a time together, as there are more than {ROWS_TOGETHER:,} in all, found "
+            f"time {min(again)} again after others; sort the table by time"
+        )
+    seen |= new
+
+
+def read_birds(path: Path, species: str, bird: Bird) -> Iterator[pd.DataFrame]:
     """Read a table with a row for each bird; published observations become the places that they tell.
 
     Parameters
@@ -141,8 +188,6 @@ def read_birds(path: Path, species: str, bird: Bird, whole: bool = False) -> Ite
         Name of the species, whose observations are read of published ones.
     bird : Bird
         Its bird.
-    whole : bool
-        As for `read_pieces`.
 
     Raises
     ------
@@ -151,7 +196,7 @@ def read_birds(path: Path, species: str, bird: Bird, whole: bool = False) -> Ite
     """
     if path == PUBLISHED and not path.exists():
         path = shipped(PUBLISHED.as_posix())
-    pieces = read_pieces(path, whole)
+    pieces = read_pieces(path)
     first = next(pieces)
     if is_published(first):
         yield published_places(species, bird, pd.concat([first, *pieces]))
