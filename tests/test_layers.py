@@ -57,6 +57,7 @@ MAY_IMPORT = {
         "columns",
         "errors",
         "jobs",
+        "journey",
         "literature",
         "optimum",
         "paper",

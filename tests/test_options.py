@@ -41,6 +41,7 @@ CALLS = {
     "phase": ["mute-swan"],
     "robust": ["mute-swan"],
     "speed": ["mute-swan"],
+    "migrate": ["mute-swan"],
     "field": [IBIS],
     "animate": [IBIS],
     # The ibis's own amplitude is that of either convention.
@@ -79,6 +80,12 @@ VALUES = {
     "--wavelengths": "2",
     "--sigma": "0.3",
     "--birds": "3",
+    "--fuel": "0.2",
+    "--altitude": "1000",
+    "--profile": "way.csv",
+    "--wind": "2",
+    "--efficiency": "0.2",
+    "--keep": "kept.json",
     "--sigma-m": "0.02",
     "--sigma-phase": "0.1",
     "--observed": "birds.csv",
@@ -184,6 +191,7 @@ def template(tmp_path_factory):
     folder = tmp_path_factory.mktemp("options")
     studies.write_folder(folder / RESULTS, studies.pair_rows())
     (folder / "sweep.toml").write_text(f'species = "{IBIS}"\n', encoding="utf-8")
+    (folder / "way.csv").write_text("distance_m,altitude_m\n0,500\n", encoding="utf-8")
     (folder / "birds.csv").write_text("x_m,y_m\n1.2,0.9\n", encoding="utf-8")
     (folder / "seen.csv").write_text(SEEN_BIRDS, encoding="utf-8")
     return folder
@@ -227,6 +235,11 @@ def see(template, tmp_path, monkeypatch):
     def drawn(found, species, model, observed):
         calls.append(("draw", species, model, None if observed is None else observed.tolist()))
 
+    def fly(journey, keep, **given):
+        calls.append(("migrate", str(journey), str(given)))
+        keep({})
+        return studies.flight_frame()
+
     monkeypatch.setattr("upwash.study.observed.evaluation.survey", survey_of)
     stand_in("upwash.study.observed.evaluation.solve_pair", lambda *given: SimpleNamespace(v_optimum=None))
     monkeypatch.setattr("upwash.study.saving_map.least_over", least_of)
@@ -240,6 +253,7 @@ def see(template, tmp_path, monkeypatch):
     stand_in("upwash.study.phase_rule.phase_rules", lambda *given: studies.phase_frames())
     stand_in("upwash.study.robustness.robustness", lambda *given: studies.drift_frame())
     stand_in("upwash.study.best_speed.best_speeds", lambda *given: studies.speed_frame())
+    monkeypatch.setattr("upwash.study.migration.migrate", fly)
     stand_in("upwash.literature.ledger.judge_literature", read_kept)
     stand_in("upwash.report.figures.catalogue.save_all", lambda *given: [])
     stand_in("upwash.report.animation.write_animation", lambda birds, path: None)

@@ -22,6 +22,7 @@ from upwash.jobs.schema import table_of
 from upwash.journey.speed import CRITERIA
 from upwash.optimum.record import record
 from upwash.study.best_speed import SPEEDS
+from upwash.study.migration import MIGRATION
 from upwash.study.phase_rule import CURVE, IN_LINE, V, phase_rule, wrapped
 from upwash.study.robustness import ROBUSTNESS, V_FORMATION
 
@@ -295,5 +296,20 @@ def speed_frame():
             | {"bound": "", "error": ""}
             for criterion in CRITERIA
             for birds, who, turns in each
+        ]
+    )
+
+
+def flight_frame():
+    """Return two flights, as `upwash.study.migration.migrate` does."""
+    words = {"species": "northern-bald-ibis", "objective": "power", "amplitude_convention": "stroke-angle"}
+    numbers = {column.name: 0.5 for column in MIGRATION}
+    return pd.DataFrame(
+        [
+            numbers
+            | words
+            | {"birds": birds, "speed_rule": "held", "step": step, "proof": "", "ended": "the fuel is spent"}
+            for birds in (1, 2)
+            for step in (0, 1)
         ]
     )

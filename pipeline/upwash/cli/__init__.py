@@ -26,6 +26,7 @@ COMMANDS: dict[str, dict[str, tuple[str, str]]] = {
         "phase": ("phase", "Find the best phase against distance, in a V and in line."),
         "robust": ("robust", "Say what is left of the best saving while a bird drifts."),
         "speed": ("journey", "Find how fast a bird does best alone and in flocks."),
+        "migrate": ("journey", "Fly a flock on its fuel, and a bird alone beside it."),
         "field": ("pictures", "Map the force on a follower over a plane."),
         "animate": ("pictures", "Animate a flock flapping in its wakes."),
         "explore": ("explore", "Write a page on which to drag a follower about."),

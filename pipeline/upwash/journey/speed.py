@@ -198,14 +198,11 @@ class SpeedSearch:
         ground = speed_m_s + self.tailwind_m_s
         return power_w / ground if ground > 0.0 else math.inf
 
-    def alone(self, criterion: str) -> BestSpeed:
-        """Return the lone bird's best speed."""
+    def alone(self, criterion: str, share: Share | None = None) -> BestSpeed:
+        """Return the lone bird's best speed; `share` is its power if nothing else."""
         speeds = np.geomspace(self.within.low, self.within.high, 200)
         speeds[0], speeds[-1] = self.within.low, self.within.high
-
-        def share(line: Line) -> float:
-            return self.lines.powers_w(line)[0]
-
+        share = share or (lambda line: self.lines.powers_w(line)[0])
         lines = [Line(self.birds(float(speed)), ()) for speed in speeds]
         costs = [self.cost(criterion, share(line), line.bird.speed_m_s) for line in lines]
         number = int(np.argmin(costs))

@@ -123,8 +123,11 @@ class Changing:
             If there is no such bird.
         """
         fixed = {name: one.value for name, one in self.settings.items() if name in OF_THE_BIRD}
+        # Either tells the air.
         if "density_kg_m3" in changes:
             fixed.pop(ALTITUDE, None)
+        if ALTITUDE in changes:
+            fixed.pop("density_kg_m3", None)
         return self.species.bird(self.amplitude, **(fixed | changes))
 
 
