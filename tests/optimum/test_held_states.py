@@ -32,6 +32,7 @@ MODELS = {
     "four": WakeModel(stroke_states=4, span_nodes=4),
     "eight, thin": WakeModel(stroke_states=8, span_nodes=3, core_radius_ratio=0.03),
     "four, long": WakeModel(stroke_states=4, wavelengths=2),
+    "four, stroke law": WakeModel(stroke_states=4, span_law="stroke"),
 }
 EACH_MODEL = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
 
@@ -173,16 +174,11 @@ class TestAPair:
 @pytest.mark.parametrize(
     ("model", "line"),
     [
-        (
-            WakeModel(span_nodes="exact"),
-            r"^span_nodes: expected a number of points \(behind .*'exact'$",
-        ),
         (WakeModel(stroke_states=4, stroke_rule="gauss"), r"^stroke_rule: expected held \(.*'gauss'$"),
         (WakeModel(core="rosenhead-moore"), r"^core: expected rankine \(.*'rosenhead-moore'$"),
-        (WakeModel(stroke_states=4, span_law="stroke"), r"^span_law: expected tip \(.*'stroke'$"),
         (WakeModel(wavelengths=math.inf), r"^span_nodes: expected exact \(behind an endless wake .*found 2$"),
     ],
-    ids=["exact", "gauss", "core", "law", "points"],
+    ids=["gauss", "core", "points"],
 )
 def test_a_model_in_which_no_optimum_is_searched_is_refused_before_the_search(model, line):
     with pytest.raises(ValueError, match=line):

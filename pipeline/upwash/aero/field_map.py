@@ -16,10 +16,11 @@ from upwash.aero.bird import Bird
 from upwash.aero.compiled.endless import LEAST_PHASE, fill_endless_force
 from upwash.aero.compiled.field_map import add_force
 from upwash.aero.endless import endless_wake_of
-from upwash.aero.interaction import phase_weights, state_circulation_ratio
+from upwash.aero.interaction import phase_weights
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.span_integral import span_nodes
-from upwash.aero.wake import WakeModel, stroke_height, stroke_span, vortex_wake
+from upwash.aero.wake import WakeModel, vortex_wake
+from upwash.aero.wingbeat import wingbeat_steps
 
 PLANES = {"xy": "y", "xz": "z", "xk": "phase"}
 """Each plane's second coordinate; the first is x."""
@@ -69,19 +70,19 @@ def _weighted_wake_force(
         bird.circulation_ratio,
         model,
     )
-    force = np.zeros((positions.shape[0], 2))
+    force, steps = np.zeros((positions.shape[0], 2)), wingbeat_steps(model)
+    circulation = steps.circulation(bird.circulation_ratio)
     for k in range(states):
-        fixed, flexed = stroke_span(k / states)
-        half_span = b * (fixed + flexed * stroke.span_ratio)
+        half_span = b * ((1.0 - steps.flexed[k]) + steps.flexed[k] * stroke.span_ratio)
         share = weights[wake.state, k]
         # A pair of states that lasts no time costs none.
         felt, share = wake.only(share != 0.0), share[share != 0.0]
-        own = bird.circulation_m2_s * state_circulation_ratio(bird, k, states)
+        own = bird.circulation_m2_s * circulation[k]
         for node, weight in zip(*span_nodes(model.span_nodes), strict=True):
             add_force(
                 positions,
                 half_span * node,
-                stroke.amplitude_m * stroke_height(k / states),
+                stroke.amplitude_m * steps.height[k],
                 bird.density_kg_m3 * own * 2.0 * half_span * weight,
                 felt.rings,
                 felt.circulation * share,

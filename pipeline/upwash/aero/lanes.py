@@ -22,7 +22,8 @@ from upwash.aero.compiled.lanes import (
 )
 from upwash.aero.compiled.rings import FOUR_PI
 from upwash.aero.span_integral import span_nodes
-from upwash.aero.wake import Wake, stroke_height, stroke_span
+from upwash.aero.wake import Wake, WakeModel
+from upwash.aero.wingbeat import wingbeat_steps
 
 
 def wake_lanes(
@@ -32,6 +33,7 @@ def wake_lanes(
     follower_circulation: NDArray[np.float64],
     stroke_states: int,
     node_count: int | str,
+    span_law: str = "tip",
 ) -> NDArray[np.float64]:
     """Lay out the lanes for a wake.
 
@@ -48,6 +50,8 @@ def wake_lanes(
         Number N of stroke states.
     node_count : int
         Number m of span nodes.
+    span_law : str
+        The follower's half-span through its wingbeat, see `upwash.aero.wake.WakeModel`.
 
     Returns
     -------
@@ -55,17 +59,18 @@ def wake_lanes(
         One column a lane; lanes of one follower state and node are neighbours.
     """
     nodes, weights = span_nodes(node_count)
+    steps = wingbeat_steps(WakeModel(stroke_states=stroke_states, span_law=span_law))
     repeats = stroke_states * nodes.size
     lanes = np.empty((ROWS, repeats * wake.circulation.size))
     fill_rings(lanes, wake)
     lane = 0
     for k in range(stroke_states):
-        fixed, flexed = stroke_span(k / stroke_states)
+        flexed = float(steps.flexed[k])
         for node, weight in zip(nodes, weights, strict=True):
             for circulation, j in zip(wake.circulation, wake.state, strict=True):
                 strength = follower_circulation[k] * weight * circulation / FOUR_PI
-                lanes[NODE, lane], lanes[HEIGHT, lane] = node, stroke_height(k / stroke_states)
-                lanes[SPAN_FIXED, lane], lanes[SPAN_FLEXED, lane] = fixed, flexed
+                lanes[NODE, lane], lanes[HEIGHT, lane] = node, steps.height[k]
+                lanes[SPAN_FIXED, lane], lanes[SPAN_FLEXED, lane] = 1.0 - flexed, flexed
                 lanes[STEADY, lane], lanes[SLIDING, lane] = strength * steady[j, k], strength * sliding[j, k]
                 lane += 1
     return lanes

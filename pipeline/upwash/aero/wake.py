@@ -131,7 +131,6 @@ class WakeModel:
             "span_nodes": FINENESS,
             "wavelengths": LENGTH,
             "core": one_of(["rankine"]),
-            "span_law": one_of(["tip", "stroke"] if self.stroke_states == 2 else ["tip"]),
         }
         for name, rule in rules.items():
             rule(name, getattr(self, name))

@@ -233,14 +233,15 @@ def flock(wavelengths: str | None, joint: bool, json_output: bool, **chosen: Any
     from upwash.jobs.flock import Flock, flock_of
     from upwash.jobs.run import inputs_of, solve
     from upwash.jobs.schema import table_of
+    from upwash.optimum.solvable import adds_up
     from upwash.report.flock_answer import flock_answer, flock_record
     from upwash.sweep.single import single_job
 
     limits = {name: chosen.pop(name) for name in SPACING}
     job = single_job(Flock, parts={"wavelengths": wavelengths} | limits, **chosen)
-    if joint and job.model.is_endless:
-        remedy = "leave out --joint, or give --wavelengths a number"
-        raise UpwashError(f"--joint: expected wakes that end, found endless ones; {remedy}")
+    if joint and not adds_up(job.model):
+        expected = "wakes that end and are felt in points by birds that are held in two states"
+        raise UpwashError(f"--joint: expected {expected}, found another model; leave out --joint")
     if joint and (chosen["members"] or not chosen["phase_lock"]):
         remedy = "leave out --joint"
         raise UpwashError(f"--joint: expected birds that are alike and beat in step, found others; {remedy}")

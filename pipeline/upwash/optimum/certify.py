@@ -22,7 +22,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.optimum.compiled.boxes import clear_boxes
 from upwash.optimum.compiled.relaxation import MARGIN, Limits
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.search import Basin
@@ -104,12 +103,14 @@ def certify(
     limits, centre = Limits(*z, *h), np.empty(VARIABLE_COUNT)
     # Where phases are averaged none slides, and any end will do.
     phase_end = problem.phase_span() or 1.0
+    clear, felt, before = problem.clearing(bounds)
+    lows[0, 0] -= before
     # With no incumbent a box is cleared only where no balance is possible.
     best, threshold = incumbent, min(incumbent / (1.0 + tolerance), UNREACHABLE_COST)
     found: Basin | None = None
     height, boxes, left_open = 1, 0, np.inf
     while height > 0 and boxes < budget:
-        height, examined, given_up = clear_boxes(
+        height, examined, given_up = clear(
             lows,
             highs,
             multipliers,
@@ -118,8 +119,7 @@ def certify(
             limits,
             threshold,
             min(SEARCH_EVERY, budget - boxes),
-            problem.lanes,
-            problem.first_lanes,
+            *felt,
             problem.constants,
             phase_end,
             problem.walls,

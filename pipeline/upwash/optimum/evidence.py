@@ -355,12 +355,6 @@ def _prices_in_si(problem: PairProblem, evidence: Evidence) -> dict[str, float |
     }
 
 
-def stated(problem: PairProblem, felt: FeltLanes, evidence: Evidence) -> StatedEvidence:
-    """State the evidence at a point; parameters as for `gather_evidence`."""
-    edges = (name_edge(problem, *felt.representative[edge]) for edge in evidence.core_edges)
-    return StatedEvidence.of(problem, evidence, edges)
-
-
 def name_edge(problem: PairProblem, lane: int, filament: int) -> CoreEdge:
     """Name a core edge by a lane and a filament of it."""
     height, node = problem.lanes[HEIGHT, lane], problem.lanes[NODE, lane]

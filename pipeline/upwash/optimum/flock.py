@@ -21,6 +21,7 @@ from upwash.aero.pose import Pose
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.aero.together import in_step
 from upwash.aero.wake import WakeModel
+from upwash.optimum.cut_problem import ending_problems
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.solve import solve_endless_pair
 from upwash.optimum.flock_solution import FlockSolution, Member, on_side
@@ -30,7 +31,7 @@ from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import Proof, wall_in_words
 from upwash.optimum.settings import BIRDS, FlockRules, SearchSettings
 from upwash.optimum.solution import PairSolution
-from upwash.optimum.solvable import need_solvable
+from upwash.optimum.solvable import adds_up, need_solvable
 from upwash.optimum.spacing import FREE, Spacing
 
 LINKS_KEPT = 1024
@@ -63,7 +64,8 @@ def solve_flock(
     rules : FlockRules, optional
         Shape of the flock, whose wakes a bird feels, and whose amplitude bounds a follower's.
     model : WakeModel, optional
-        How the wakes are resolved: as for `upwash.solve_pair`; endless wakes are felt of the bird ahead alone.
+        How the wakes are resolved: as for `upwash.solve_pair`; those of all birds ahead are felt only if they end and
+        are felt in points by birds that are held in two states.
     search : SearchSettings, optional
         How long to search, and how closely to prove.
     distance_m : float, optional
@@ -150,8 +152,8 @@ def link_problems(
         pair: dict[str, Any] = {"leader": leader, "phase_lock": phase_lock, "spacing": spacing}
         if model.is_endless:
             return (EndlessProblem(bird, objective, stroke, limit, model, **pair, distance_m=distance_m),)
-        if model.wavelengths == 1:
-            return (PairProblem(bird, objective, stroke, limit, model, **pair),)
+        if model.wavelengths == 1 or not adds_up(model):
+            return tuple(ending_problems(bird, objective, stroke, limit, model, **pair))
         ahead = (Place(0, Pose(0.0, 0.0, 0.0, stroke, 0.0), leader),)
     return tuple(flock_problems(bird, objective, ahead, limit, model, phase_lock, spacing))
 

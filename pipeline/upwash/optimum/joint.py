@@ -23,6 +23,7 @@ from upwash.optimum.flock_solution import FlockSolution, Member, on_side
 from upwash.optimum.joint_problem import Edges, Evaluation, JointProblem, Sides
 from upwash.optimum.search import Basin
 from upwash.optimum.solution import describe_optimum
+from upwash.optimum.solvable import adds_up
 from upwash.optimum.variables import SCALE, VARIABLE_COUNT
 
 WIDEST_BOX, LEAST_BOX, NARROWER = 0.3, 1e-3, 0.3
@@ -90,12 +91,14 @@ def improve_together(chain: FlockSolution) -> JointSolution:
     Raises
     ------
     ValueError
-        If the birds are not alike, or do not beat in step.
+        If the birds are not alike, or do not beat in step, or the wakes are not added up in the flock's model.
     """
     if len(set(chain.kinds)) > 1 or not chain.phase_lock:
         raise ValueError(
             "chain: expected birds that are alike and beat in step, as they are improved together, found others"
         )
+    if not adds_up(chain.model):
+        raise ValueError(f"model: expected two held states and points of the span, found {chain.model}")
     placed = replace(chain, members=chain.placed)
     if len(placed.members) < 2:
         return JointSolution(placed, placed, 0.0)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from upwash.aero.bird import Bird
 from upwash.aero.pose import Stroke
 from upwash.aero.wake import WakeModel
+from upwash.optimum.cut_problem import ending_problems
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.solve import solve_endless_pair
 from upwash.optimum.pieces import solve_pieces
@@ -125,18 +124,13 @@ def pair_problems(
         raise ValueError(
             f"distance_m: expected none, as behind a wake that ends the distance is found, found {distance_m!r}"
         )
-    first = PairProblem(
+    return ending_problems(
         bird,
         objective,
-        ahead,  # type: ignore[arg-type]
-        amplitude_limit_m,  # type: ignore[arg-type]
+        ahead,
+        amplitude_limit_m,
         model,
-        leader=leader,  # type: ignore[arg-type]
+        leader=leader,
         phase_lock=phase_lock,
         spacing=spacing or FREE,
-    )
-    # With two states one piece stands for all phases, and where phases are averaged there is no other.
-    states = model.stroke_states
-    return (
-        [first] if states == 2 or not phase_lock else [replace(first, piece=piece) for piece in range(states)]
     )

@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from upwash.optimum.certify import certify
-from upwash.optimum.evidence import ON_BOUND, Evidence, gather_evidence
+from upwash.optimum.evidence import ON_BOUND, Evidence
+from upwash.optimum.means import means_of
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import Proof
 from upwash.optimum.record import V_LABELS, labels
@@ -76,7 +77,7 @@ def solve_pieces(
         The optima of all pieces, best first, and the proof.
     """
     begun = time.perf_counter()
-    searches = [Search(problem, settings.seed) for problem in problems]
+    searches = [means_of(problem).search(problem, settings.seed) for problem in problems]
     share = -(-settings.starts // len(problems))
     problem, v_bounds = problems[0], [one.v_bounds() for one in problems]
     has_v_region = bool(np.all(v_bounds[0][:, 0] <= v_bounds[0][:, 1]))
@@ -194,7 +195,7 @@ def _phase_distance(one: _Found, other: _Found) -> float:
 
 
 def _evidence(search: Search, point: NDArray[np.float64]) -> Evidence:
-    return gather_evidence(search.problem, search.felt, point)
+    return means_of(search.problem).examine(search.problem, search.felt, point)
 
 
 def _is_optimum(evidence: Evidence) -> bool:
@@ -216,7 +217,7 @@ def _prove(
             inside = np.all((basin.point >= within[:, 0]) & (basin.point <= within[:, 1]))
             if inside and (best is None or basin.cost < best.cost):
                 best, piece = basin, number
-    boxes, lower_bound = 0, math.inf
+    boxes, lower_bound, is_closed = 0, math.inf, True
     for number, (search, within) in enumerate(zip(searches, bounds, strict=True)):
         for _ in range(MOST_PROOFS):
             certificate = certify(
@@ -224,7 +225,8 @@ def _prove(
                 within,
                 best.cost if best else math.inf,
                 settings.tolerance,
-                settings.most_boxes,
+                # What is open in one piece of phase is open: the others are worth no work.
+                settings.most_boxes if is_closed else 1,
                 partial(search.descend, bounds=within),
             )
             boxes += certificate.boxes
@@ -234,6 +236,7 @@ def _prove(
             search.explore(best.point[None, :])
             if certificate.is_closed:
                 break
+        is_closed = is_closed and certificate.is_closed
         lower_bound = min(lower_bound, certificate.lower_bound)
     return _Region(lower_bound, best, piece, boxes)
 

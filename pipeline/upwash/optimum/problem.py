@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from upwash.aero.bird import Bird
 from upwash.aero.compiled.lanes import PHASE, SLIDING, STEADY, Y
-from upwash.aero.interaction import mean_phase_weights, phase_piece, state_circulation_ratio
+from upwash.aero.cut_wake import phase_pieces
+from upwash.aero.interaction import mean_phase_weights, phase_piece
 from upwash.aero.lanes import wake_lanes
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import (
@@ -29,6 +30,8 @@ from upwash.aero.power import (
 )
 from upwash.aero.together import in_step, need_shared
 from upwash.aero.wake import Wake, WakeModel, vortex_wake
+from upwash.aero.wingbeat import wingbeat_steps
+from upwash.optimum.compiled.boxes import clear_boxes
 from upwash.optimum.compiled.problem import Constants
 from upwash.optimum.spacing import FREE, Spacing
 from upwash.optimum.variables import TABLE, Given, Variable, bounds_of
@@ -115,6 +118,12 @@ class PairProblem:
         object.__setattr__(self, "constants", self._constants())
         object.__setattr__(self, "bounds", self._bounds())
 
+    def pieces(self) -> list[PairProblem]:
+        """Return the problem in each piece of phase; one stands for all of two held states, or of their mean."""
+        if not self.phase_lock or (self.model.stroke_states == 2 and self.model.stroke_rule == "held"):
+            return [self]
+        return [replace(self, piece=piece) for piece in range(len(phase_pieces(self.model)))]
+
     @property
     def variables(self) -> tuple[Variable, ...]:
         """What may vary."""
@@ -200,6 +209,10 @@ class PairProblem:
         """Greatest phase coordinate."""
         return 1.0 / self.model.stroke_states if self.phase_lock else 0.0
 
+    def clearing(self, bounds: NDArray[np.float64]) -> tuple[Any, tuple[Any, ...], float]:
+        """Return the kernel that clears boxes, the wake as it takes it, and how far x of a box is below the bounds'."""
+        return clear_boxes, (self.lanes, self.first_lanes), 0.0
+
     def ring_parts(self, ring: int) -> tuple[str, ...]:
         """Say of a ring of `wake` by which stroke and in which state it was shed."""
         wake = self.wake()
@@ -220,9 +233,9 @@ class PairProblem:
         """Lay out the lanes of `wake` with phase weights β₀ and β₁, as for `upwash.aero.lanes.wake_lanes`."""
         bird, states = self.bird, self.model.stroke_states
         unit = 2.0 * bird.density_kg_m3 * bird.semispan_m * bird.circulation_m2_s / bird.weight_n
-        follower = np.array([unit * state_circulation_ratio(bird, k, states) for k in range(states)])
-        self.model.of_points()
-        return wake_lanes(self.wake(), steady, sliding, follower, states, self.model.span_nodes)
+        model = self.model.of_points()
+        follower = unit * wingbeat_steps(model).circulation(bird.circulation_ratio)
+        return wake_lanes(self.wake(), steady, sliding, follower, states, model.span_nodes, model.span_law)
 
     def _lanes(self) -> dict[str, NDArray[Any]]:
         """Return the lanes, where those of each of the follower's states begin, and the ring of each."""

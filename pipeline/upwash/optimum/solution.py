@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from upwash.aero.pose import Pose
 from upwash.columns import Row
-from upwash.optimum.compiled.pair_descent import FeltLanes
-from upwash.optimum.evidence import Evidence, StatedEvidence, stated
+from upwash.optimum.evidence import Evidence, StatedEvidence
+from upwash.optimum.means import stated
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import Proof
 from upwash.optimum.record import Record, record
@@ -102,7 +102,7 @@ def describe_optimum(
     problem: PairProblem,
     basin: Basin,
     evidence: Evidence,
-    felt: FeltLanes,
+    felt: Any,
     *,
     rank: int,
     starts: int,
@@ -118,7 +118,7 @@ def describe_optimum(
         The local optimum in scaled variables.
     evidence : Evidence
         What holds there.
-    felt : FeltLanes
+    felt : NamedTuple
         Its wake and core edges.
     rank, starts : int
         Its place among the optima of the job; starts of the search.

@@ -19,16 +19,15 @@ from numpy.typing import NDArray
 
 from upwash.aero.pose import Pose
 from upwash.optimum.certify import certify
-from upwash.optimum.compiled.pair_descent import FeltLanes
-from upwash.optimum.edges import felt_lanes
 from upwash.optimum.endless.evidence import gather_endless_evidence
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import EndlessSearch
 from upwash.optimum.endless.solve import certify_endless, endless_stated
 from upwash.optimum.endless.solve import stays_in_v as endless_stays_in_v
-from upwash.optimum.evidence import StatedEvidence, gather_evidence, stated
+from upwash.optimum.evidence import StatedEvidence
+from upwash.optimum.means import means_of, stated
 from upwash.optimum.problem import PairProblem
-from upwash.optimum.search import SAME_BASIN, Search
+from upwash.optimum.search import SAME_BASIN
 from upwash.optimum.variables import SCALE, VARIABLES
 
 SAME_PIECE = 1e-9
@@ -100,14 +99,14 @@ def examine(problems: Sequence[PairProblem], pose: Pose) -> list[StatedEvidence]
             found.append(endless_stated(problem, gather_endless_evidence(problem, point)))
             continue
         felt = _felt(problem)
-        evidence = gather_evidence(problem, felt, point)
+        evidence = means_of(problem).examine(problem, felt, point)
         found.append(stated(problem, felt, evidence))
     return found
 
 
 @lru_cache(PIECES_KEPT)
-def _felt(problem: PairProblem) -> FeltLanes:
-    return felt_lanes(problem.lanes, problem.bounds, problem.walls)
+def _felt(problem: PairProblem) -> Any:
+    return means_of(problem).search(problem).felt
 
 
 def alike(problem: PairProblem, poses: Sequence[Pose]) -> list[tuple[int, int]]:
@@ -175,7 +174,7 @@ def _means(problem: PairProblem) -> tuple[Any, Any]:
     """Return what searches a problem, and what proves a bound of it."""
     if isinstance(problem, EndlessProblem):
         return EndlessSearch(problem), certify_endless
-    return Search(problem), certify
+    return means_of(problem).search(problem), certify
 
 
 def stays_in_v(problem: PairProblem, pose: Pose) -> bool:

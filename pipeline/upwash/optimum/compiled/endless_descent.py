@@ -15,11 +15,14 @@ from numpy.typing import NDArray
 from upwash.aero.compiled.endless import EndlessWake, endless_force_jacobian
 from upwash.aero.compiled.lanes import PHASE, X
 from upwash.kernel import kernel
+from upwash.optimum.compiled import endless_edges as edges
 from upwash.optimum.compiled.descent import descent
-from upwash.optimum.compiled.endless_edges import edge_distance, edge_force, edge_pull
+from upwash.optimum.compiled.endless_edges import edge_force
 from upwash.optimum.compiled.problem import add_own_flight
 from upwash.optimum.compiled.walls import NEVER_CROSSED, wall_value
 from upwash.optimum.variables import VARIABLE_COUNT
+
+_distance, _pull = edges.edge_distance, edges.edge_pull
 
 
 class FeltEndless(NamedTuple):
@@ -120,33 +123,41 @@ def _look_from(felt, room, edge, side):
 
 
 @kernel(allocates=False)
+def count_edges(felt):
+    """Return the number of core edges."""
+    return felt.wake.steps.shape[1] * felt.stations.shape[2]
+
+
+@kernel(allocates=False)
 def _count_walls(felt):
     return felt.walls.shape[0]
 
 
 @kernel(allocates=False)
-def _edge_distance(point, felt, edge, gradient):
-    edges = _count_edges(felt)
+def edge_distance(point, felt, edge, gradient):
+    """Return how far a point is from a core edge, or from a wall after those, and fill in the gradient."""
+    edges = count_edges(felt)
     if edge >= edges:
         return wall_value(point, felt.walls, edge - edges, gradient)
-    return edge_distance(point, felt.wake, felt.stations, edge, gradient)
+    return _distance(point, felt.wake, felt.stations, edge, gradient)
 
 
 @kernel(allocates=False)
-def _edge_pull(point, felt, edge, multipliers, room):
-    if edge >= _count_edges(felt):
+def edge_pull(point, felt, edge, multipliers, room):
+    """Return what a step adds to the Lagrangian through the filaments of a core edge, by the inner branch."""
+    if edge >= count_edges(felt):
         return NEVER_CROSSED
-    return edge_pull(point, felt.wake, felt.stations, edge, multipliers, room.force, room.jacobian)
+    return _pull(point, felt.wake, felt.stations, edge, multipliers, room.force, room.jacobian)
 
 
 solve_endless, solve_many_endless, fill_endless_hessian = descent(
     make_room,
     _look_from,
     evaluate_endless,
-    _count_edges,
+    count_edges,
     _count_walls,
-    _edge_distance,
-    _edge_pull,
+    edge_distance,
+    edge_pull,
     varied=PHASE,
     most_steps=200,
     keeps_sides=True,

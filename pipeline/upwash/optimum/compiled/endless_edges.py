@@ -51,7 +51,7 @@ def edge_distance(point, wake, stations, edge, gradient):
 
 
 @kernel(allocates=False)
-def _corner_sum(e, q, begins, strength, ends, end_strength):
+def corner_sum(e, q, begins, strength, ends, end_strength):
     """Return the difference of the distances to the corners at one end of the wing, and its slopes by q and e."""
     n0, n1 = math.sqrt(q + (e + begins) ** 2), math.sqrt(q + (e - begins) ** 2)
     n2, n3 = math.sqrt(q + (e + ends) ** 2), math.sqrt(q + (e - ends) ** 2)
@@ -85,8 +85,8 @@ def edge_force(point, wake, stations, edge, side, force, jacobian):
     span = wake.steps[SPAN_FIXED, step] + flexed * point[4]
     begins, strength = stations[window, BEGINS, station], stations[window, BEGINS_STRENGTH, station]
     ends, end_strength = stations[window, ENDS, station], stations[window, ENDS_STRENGTH, station]
-    right, right_q, right_e = _corner_sum(point[1] + span, q, begins, strength, ends, end_strength)
-    left, left_q, left_e = _corner_sum(point[1] - span, q, begins, strength, ends, end_strength)
+    right, right_q, right_e = corner_sum(point[1] + span, q, begins, strength, ends, end_strength)
+    left, left_q, left_e = corner_sum(point[1] - span, q, begins, strength, ends, end_strength)
     size, by_q = right - left, right_q - left_q
     # What is added to 1 / max(q, core²), and to its slope by q, which on the edge is that from inside.
     share, share_q = (1.0 / q, -1.0 / (q * q)) if side > 0 else (1.0 / core2, 0.0)

@@ -157,7 +157,7 @@ def tip_radius(x, z, right, left, wx, wz, we, runs, core2, soft):
 
 
 @kernel(fastmath=FAST, inline="always")
-def _strip_slopes(y, we, q_low, wide, narrow, inner, strong, weak, size):
+def _strip_slopes(y, we, q_low, off, wide, narrow, inner, strong, weak, size):
     """Bound the first and the second derivatives of what lies along the span, at one end of the wing."""
     y_wide, y_narrow = abs(y - wide) - we, abs(y - narrow) - we
     y_wide, y_narrow = (y_wide if y_wide > 0.0 else 0.0), (y_narrow if y_narrow > 0.0 else 0.0)
@@ -165,6 +165,9 @@ def _strip_slopes(y, we, q_low, wide, narrow, inner, strong, weak, size):
     y_strip = y_strip if y_strip > 0.0 else 0.0
     n2 = q_low + y_strip * y_strip
     slope, by_strip = 2.0 * (strong + weak), size / math.sqrt(n2)
+    slope = by_strip if by_strip < slope else slope
+    # The slope of a cosine is the sine over the distance, and the sine is small far aside.
+    by_strip = size * off / n2
     slope = by_strip if by_strip < slope else slope
     curve = 2.0 * strong / math.sqrt(q_low + y_wide * y_wide)
     curve += 2.0 * weak / math.sqrt(q_low + y_narrow * y_narrow)
@@ -193,6 +196,7 @@ def station_radius(x, z, right, left, wx, wz, we, stations, core2, soft):
     whole2 = aside2 + we * we
     aside, whole = math.sqrt(aside2), math.sqrt(whole2)
     edge, bend, rim = math.sqrt(core2), (3.0 if soft > 0.0 else 2.0), ON_EDGE - 1.0
+    length, inside = right - left + 2.0 * we, left - we
     right, left = abs(right), abs(left)
     for i in range(stations.shape[1]):
         x0, z0 = abs(x - stations[STATION_X, i]), abs(z - stations[STATION_Z, i])
@@ -205,21 +209,33 @@ def station_radius(x, z, right, left, wx, wz, we, stations, core2, soft):
         strong, weak, size = stations[STRONG, i], stations[WEAK, i], stations[SIZE, i]
         per_m = 1.0 / m
         root = math.sqrt(per_m)
-        straight = 0.0 if q_high < core2 else 0.5 * bend * per_m * root * size * aside2
+        off2 = q_high + soft
+        off = math.sqrt(off2)
+        # Both ends of a wing that is beyond the strips see them almost alike: N is twice the integral of q/n³ there.
+        one, gap = size, inside - wide
+        if gap > 0.0:
+            n2 = q_low + gap * gap
+            apart = 0.5 * length * size * off2 / (n2 * math.sqrt(n2))
+            one = apart if apart < size else size
+        straight = 0.0 if q_high < core2 else 0.5 * bend * per_m * root * one * aside2
         # Where the box crosses the core's edge the slope jumps there; on the edge it is that from inside.
         beyond = aside - abs(math.sqrt(x0 * x0 + z0 * z0) - edge) + rim * edge
         crosses = q_low < core2 * (1.0 + 2.0 * rim) and q_high > core2 and beyond > 0.0
-        straight += 2.0 * per_m * size * beyond if crosses else 0.0
-        steep = 2.0 * per_m * size * aside
+        straight += 2.0 * per_m * one * beyond if crosses else 0.0
+        steep = 2.0 * per_m * one * aside
         # Where a corner may lie in the box the curve is infinite, or infinity times nought; the other bound holds.
-        slope, curve = _strip_slopes(right, we, q_low, wide, narrow, inner, strong, weak, size)
+        slope, curve = _strip_slopes(right, we, q_low, off, wide, narrow, inner, strong, weak, size)
         bent_right = straight + per_m * slope * aside * whole + 0.5 * root * curve * whole2
         steep_right = steep + 2.0 * root * slope * whole
-        slope, curve = _strip_slopes(left, we, q_low, wide, narrow, inner, strong, weak, size)
+        slope, curve = _strip_slopes(left, we, q_low, off, wide, narrow, inner, strong, weak, size)
         bent_left = straight + per_m * slope * aside * whole + 0.5 * root * curve * whole2
         steep_left = steep + 2.0 * root * slope * whole
-        total += bent_right if bent_right < steep_right else steep_right
-        total += bent_left if bent_left < steep_left else steep_left
+        if gap > 0.0:
+            bent, sharp = bent_right + bent_left, steep_right + steep_left
+            total += bent if bent < sharp else sharp
+        else:
+            total += bent_right if bent_right < steep_right else steep_right
+            total += bent_left if bent_left < steep_left else steep_left
     return total
 
 
