@@ -107,8 +107,13 @@ def test_a_wake_of_any_length_has_room(ibis):
 def test_a_leader_of_another_kind_sheds_its_own_wake(ibis, model, phase_lock):
     leader, rng, b = replace(ibis, mass_kg=2.0, semispan_m=0.8, period_s=0.3), np.random.default_rng(5), 0.6
     piece = phase_pieces(model)[-1]
-    wake, point = cut_wake(ibis, AHEAD, model, piece if phase_lock else None, leader=leader), random_point(rng, ibis, piece)
+    wake, point = (
+        cut_wake(ibis, AHEAD, model, piece if phase_lock else None, leader=leader),
+        random_point(rng, ibis, piece),
+    )
     x, y, z, amplitude, ratio, t = point
-    pose = Pose(x * b, y * b, z * b, Stroke(amplitude * b, ratio), (piece.start + t) % 1.0 if phase_lock else 0.0)
+    pose = Pose(
+        x * b, y * b, z * b, Stroke(amplitude * b, ratio), (piece.start + t) % 1.0 if phase_lock else 0.0
+    )
     expected = wake_force(ibis, AHEAD, pose, model, leader=leader, phase_lock=phase_lock)
     assert compiled(point, wake)[0] == pytest.approx(expected, abs=1e-13)

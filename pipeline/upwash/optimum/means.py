@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from upwash.optimum.compiled.cut_descent import FeltCutWake, solve_many_cut
 from upwash.aero.compiled.lanes import PHASE
+from upwash.optimum.compiled.cut_descent import FeltCutWake, solve_many_cut
 from upwash.optimum.core_edge import CoreEdge
 from upwash.optimum.cut_problem import CutProblem
 from upwash.optimum.evidence import Evidence, StatedEvidence, gather_evidence, name_edge
