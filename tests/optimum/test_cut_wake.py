@@ -18,6 +18,7 @@ from upwash.optimum.pair import pair_problems, solve_pair
 from upwash.optimum.proof import OPEN, PROVED
 from upwash.optimum.settings import SearchSettings
 from upwash.optimum.sided_evidence import CUT, gather_sided_evidence
+from upwash.optimum.spacing import Spacing
 from upwash.optimum.verify import examine, refute_bound
 
 IBIS = Bird(1.3, 0.6, 15.0, 0.25, 1.29, 9.8, 1.2 * math.sin(math.pi / 3.0), 0.4)
@@ -263,3 +264,20 @@ def test_followed_birds_reach_the_same_optimum_from_either_piece_of_phase():
         problem := problems_of(model)[0], CutSearch(problem).random_starts(problem.bounds, 1)[0], CUT
     )
     assert evidence.core_edges == ()
+
+
+@pytest.mark.parametrize("rule", ["held", "gauss"])
+def test_limits_of_the_place_are_kept_by_search_and_proof(rule):
+    model = replace(EXACT, stroke_rule=rule, core="rosenhead-moore")
+    near = Spacing(distance_min_m=5.0)
+    problems = pair_problems(IBIS, "power", model=model, spacing=near)
+    search = CutSearch(problems[0], seed=1)
+    search.explore(search.random_starts(problems[0].bounds, 20))
+    assert search.basins
+    assert all(np.linalg.norm(basin.point[:3]) * 0.6 >= 5.0 * (1.0 - 1e-9) for basin in search.basins)
+    # No box within the limit is looked at further: there the least cost of all is no bound.
+    inside = problems[0].bounds.copy()
+    inside[0, 1], inside[1, 1] = 2.0, 2.0
+    assert certify(problems[0], inside, 2.0, 1e-2, 50).is_closed
+    free = pair_problems(IBIS, "power", model=model)[0]
+    assert not certify(free, inside, 2.0, 1e-2, 50).is_closed

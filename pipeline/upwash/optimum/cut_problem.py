@@ -27,6 +27,7 @@ from upwash.optimum.compiled.cut_descent import FeltCutWake
 from upwash.optimum.core_edge import BOTH, TURN, CoreEdge
 from upwash.optimum.endless.bounds import ROUNDING
 from upwash.optimum.problem import PairProblem, least_turn
+from upwash.optimum.spacing import FREE, Spacing
 
 FAR_OFF = 1e6
 """Where a station lies that fills an array and is none, in semispans."""
@@ -38,7 +39,7 @@ class CutProblem(PairProblem):
 
     Parameters
     ----------
-    bird, objective, ahead, amplitude_limit_m, model, leader, phase_lock
+    bird, objective, ahead, amplitude_limit_m, model, leader, phase_lock, spacing
         As for `PairProblem`; the model's span is exact.
     piece : int
         Number of the piece of phase.
@@ -53,8 +54,8 @@ class CutProblem(PairProblem):
         phases = self.phases if self.phase_lock else None
         wake = cut_wake(self.bird, self.ahead, self.model, phases, self.bird.weight_n, leader=self.leader)
         object.__setattr__(self, "wake_felt", wake)
-        object.__setattr__(self, "felt", FeltCutWake(wake, *_edges(wake)))
-        object.__setattr__(self, "enclosure", _enclosure(wake))
+        object.__setattr__(self, "felt", FeltCutWake(wake, *_edges(wake), self.walls))
+        object.__setattr__(self, "enclosure", _enclosure(wake, self.walls))
 
     @property
     def phases(self) -> Piece:
@@ -109,12 +110,13 @@ def ending_problems(
     *,
     leader: Bird | None = None,
     phase_lock: bool = True,
+    spacing: Spacing = FREE,
 ) -> list[PairProblem]:
     """Pose a pair's problem behind a wake that ends, in each piece of its phase, by how the span feels it.
 
     Parameters
     ----------
-    bird, objective, ahead, amplitude_limit_m, model, leader, phase_lock
+    bird, objective, ahead, amplitude_limit_m, model, leader, phase_lock, spacing
         As for `PairProblem`.
     """
     kind = PairProblem if isinstance(model.span_nodes, int) else CutProblem
@@ -126,6 +128,7 @@ def ending_problems(
         model,
         leader=leader,  # type: ignore[arg-type]
         phase_lock=phase_lock,
+        spacing=spacing,
     )
     return first.pieces()
 
@@ -169,7 +172,7 @@ def _edges(wake: CutWake) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return np.ascontiguousarray(np.array(laid).T), np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
 
-def _enclosure(wake: CutWake) -> CutEnclosure:
+def _enclosure(wake: CutWake, walls: NDArray[np.float64]) -> CutEnclosure:
     """Lay out what encloses the force."""
     carried, cut = [], []
     for stations in _stations(wake):
@@ -195,6 +198,7 @@ def _enclosure(wake: CutWake) -> CutEnclosure:
         ROUNDING * size,
         -np.inf,
         np.inf,
+        walls,
     )
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from upwash.optimum.compiled import cut_descent, endless_descent
 from upwash.optimum.compiled.programme import new_balance
 from upwash.optimum.evidence import ON_EDGE, Evidence, weigh
+from upwash.optimum.spacing import touched_walls
 from upwash.optimum.steepness import Vicinity
 from upwash.optimum.variables import VARIABLE_COUNT
 
@@ -105,7 +106,8 @@ def gather_sided_evidence(
         return asked.edge_pull(point, felt, edge, multipliers, room)
 
     normals[:, fixed] = 0.0
-    vicinity = Vicinity(on_edge, normals[on_edge], slopes, pull, hessian)
+    touched = touched_walls(problem.wall_names, problem.walls, point)
+    vicinity = Vicinity(on_edge, normals[on_edge], touched, slopes, pull, hessian)
     return weigh(point, problem.bounds, vicinity, unbounded=unbounded, fixed=fixed)
 
 

@@ -179,6 +179,7 @@ def clearing(
         felt,
         constants,
         phase_end,
+        walls,
         centre,
     ):
         """Examine boxes from the top of a stack, and split those that stay open, until it is empty or the budget spent.
@@ -197,6 +198,8 @@ def clearing(
             As for `examine`.
         budget : int
             Most boxes to examine.
+        walls : (w, 7) ndarray of float
+            Limits of the place, which `stay_within` cuts by.
         centre : (6,) ndarray of float
             Overwritten: centre, in (x, y, z, h, R, t), of the last narrow box that stayed open, NaN if none did.
 

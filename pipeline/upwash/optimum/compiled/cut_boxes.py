@@ -45,6 +45,7 @@ from upwash.optimum.compiled.clearing import clearing
 from upwash.optimum.compiled.enclosure import BY_RATIO, BY_X, BY_Y, BY_Z, RADIUS, ROUNDING, VALUE
 from upwash.optimum.compiled.endless_enclosure import station_radius, tip_radius
 from upwash.optimum.compiled.relaxation import MARGIN
+from upwash.optimum.compiled.walls import cut_by_walls
 
 
 class CutEnclosure(NamedTuple):
@@ -62,6 +63,8 @@ class CutEnclosure(NamedTuple):
         What rounding may add to the force.
     least_x, greatest_x : float
         Range of x = X + D t.
+    walls : (w, 7) ndarray of float
+        Limits of the place, see `upwash.optimum.compiled.walls`.
     """
 
     wake: CutWake
@@ -70,6 +73,7 @@ class CutEnclosure(NamedTuple):
     rounding: float
     least_x: float
     greatest_x: float
+    walls: NDArray[np.float64]
 
 
 @kernel(allocates=False)
@@ -216,10 +220,15 @@ def enclose_cut_force(low, high, widths, felt, phase_end, room, forms, by_phase,
 
 @kernel(allocates=False)
 def _stay_within(low, high, felt):
-    """Shrink X and t to where x = X + D t is in its range; return whether anything is left."""
+    """Shrink X and t to where x = X + D t is in its range and keeps the walls; return whether anything is left."""
     drift = felt.wake.drift
     if drift == 0.0:
-        return True
+        return cut_by_walls(low, high, felt.walls)
+    first, last = low[0], high[0]
+    low[0], high[0] = first + drift * low[5], last + drift * high[5]
+    if not cut_by_walls(low, high, felt.walls):
+        return False
+    low[0], high[0] = max(first, low[0] - drift * high[5]), min(last, high[0] - drift * low[5])
     low[0] = max(low[0], felt.least_x - drift * high[5] - MARGIN)
     high[0] = min(high[0], felt.greatest_x - drift * low[5] + MARGIN)
     low[5] = max(low[5], (felt.least_x - high[0] - MARGIN) / drift)

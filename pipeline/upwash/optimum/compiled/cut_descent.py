@@ -13,6 +13,7 @@ from upwash.optimum.compiled import cut_edges as edges
 from upwash.optimum.compiled.cut_edges import edge_force
 from upwash.optimum.compiled.descent import descent
 from upwash.optimum.compiled.problem import add_own_flight
+from upwash.optimum.compiled.walls import NEVER_CROSSED, wall_value
 from upwash.optimum.variables import VARIABLE_COUNT
 
 _distance = edges.edge_distance
@@ -29,11 +30,14 @@ class FeltCutWake(NamedTuple):
         See `upwash.optimum.compiled.cut_edges`; none of a core without an edge.
     edges : (e + 1,) ndarray of int
         Where the stations of each edge begin, and where the last end.
+    walls : (w, 7) ndarray of float
+        Limits of the place, see `upwash.optimum.compiled.walls`; they are numbered on after the edges.
     """
 
     wake: CutWake
     stations: NDArray[np.float64]
     edges: NDArray[np.int64]
+    walls: NDArray[np.float64]
 
 
 class CutRoom(NamedTuple):
@@ -103,14 +107,23 @@ def count_edges(felt):
 
 
 @kernel(allocates=False)
+def _count_walls(felt):
+    return felt.walls.shape[0]
+
+
+@kernel(allocates=False)
 def edge_distance(point, felt, edge, gradient):
-    """Return how far a point is from a core edge, and fill in the gradient."""
+    """Return how far a point is from a core edge, or from a wall after those, and fill in the gradient."""
+    if edge >= felt.edges.size - 1:
+        return wall_value(point, felt.walls, edge - felt.edges.size + 1, gradient)
     return _distance(point, felt.wake.core.least, felt.stations, felt.edges[edge], gradient)
 
 
 @kernel(allocates=False)
 def edge_pull(point, felt, edge, multipliers, room):
     """Return what is added to the Lagrangian through the filaments of a core edge, by the inner branch."""
+    if edge >= felt.edges.size - 1:
+        return NEVER_CROSSED
     force, first, beyond = room.force, felt.edges[edge], felt.edges[edge + 1]
     force[0] = force[1] = 0.0
     edge_force(point, felt.wake.core.least, felt.stations, first, beyond, 0, force, room.jacobian)
@@ -122,6 +135,7 @@ solve_cut, solve_many_cut, fill_cut_hessian = descent(
     _look_from,
     evaluate_cut,
     count_edges,
+    _count_walls,
     edge_distance,
     edge_pull,
     varied=VARIABLE_COUNT,
