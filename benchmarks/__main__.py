@@ -12,7 +12,7 @@ from benchmarks import batch_scale, machine, seeds
 from benchmarks.contest import measure
 from benchmarks.record import store, table
 
-CONTESTS = ("field", "wake_force", "force_map", "local_solve", "job")
+CONTESTS = ("field", "wake_force", "force_map", "local_solve", "place", "saving_map", "job")
 NAMES = (*CONTESTS, "batch_scale", "seeds")
 RESULTS = Path(__file__).parents[1] / "results" / "bench"
 

@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from benchmarks import field, force_map, wake_force
+from benchmarks import field, force_map, place, saving_map, wake_force
 from benchmarks.contest import Contender, Contest, measure
 from benchmarks.record import store, table
 
@@ -72,3 +72,15 @@ def test_the_record_holds_the_machine_the_versions_and_who_was_missing(rows, tmp
     assert {"python", "numba", "numpy"} <= set(json.loads(kept.schema.metadata[b"package_versions"]))
     assert [row["time_best_s"] is None for row in kept.to_pylist()] == [False, False, True]
     assert all(kept.schema.field(name).metadata[b"description"] for name in kept.column_names)
+
+
+def test_all_strokes_hold_the_one_that_a_root_finder_comes_to(monkeypatch):
+    monkeypatch.setattr(place, "PLACES_OF_PEERS", 5)
+    ours, scipy, _ = place.contest().contenders
+    assert np.all(ours.answer() <= scipy.answer() + 1e-9)
+    assert ours.answer() == pytest.approx(scipy.answer(), rel=1e-8)
+
+
+def test_a_map_misses_nothing_that_a_grid_has():
+    ours, grid, _ = saving_map.contest().contenders
+    assert np.all(ours.answer() <= grid.answer() + 1e-9)
