@@ -9,8 +9,10 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 from report.studies import phase_frames
-from upwash import WakeModel, load_species
+from upwash import WakeModel, load_species, solve_pair
 from upwash.cli import main
+from upwash.optimum.settings import SearchSettings
+from upwash.report.phase_answer import phase_answer
 from upwash.study.phase_rule import (
     CURVE,
     IN_LINE,
@@ -42,6 +44,24 @@ def rules():
         for law, place in IN_V.items()
     }
     return {law: (phase_rule(curve), curve) for law, curve in curves.items()}
+
+
+CORES = [(core, radius) for core in ("rankine", "rosenhead-moore") for radius in (0.05, 0.1, 0.2, 0.3)]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("law", ["stroke", "tip"])
+@pytest.mark.parametrize(("core", "radius"), CORES)
+def test_both_observed_rules_come_out_of_every_core(core, radius, law):
+    """The V's place is found by descents; the proof that nothing is better is not asked for."""
+    model = replace(LIMIT, core=core, core_radius_ratio=radius, span_law=law)
+    model = model.resolving(IBIS.wavelength_m / IBIS.semispan_m)
+    in_v = solve_pair(IBIS, "power", model=model, search=SearchSettings(starts=60, most_boxes=1)).v_optimum
+    places = {V: (in_v.y_m, in_v.z_m), IN_LINE: (0.0, 0.0)}
+    rule = phase_rule(phase_curve(IBIS, "power", model, places, (0.5,), 24))
+    judged = judge_rules(rule)
+    assert judged["limit"].tolist() == [NEAR_IN_V, NEAR_IN_LINE, NEAR_WORST, 0.0]
+    assert judged["holds"].all(), judged
 
 
 @pytest.mark.thorough
@@ -203,6 +223,14 @@ class TestCommand:
     )
     def test_another_wake(self, phase, arguments, models):
         assert phase(*arguments)[1] == ("power", models)
+
+    @pytest.mark.parametrize("objective", ["force", "power"])
+    def test_without_a_v_optimum_it_says_so(self, objective):
+        rule, _ = phase_frames()
+        without = f"least {objective} has no V optimum"
+        in_line = rule[rule["formation"] == IN_LINE]
+        assert without in phase_answer("ibis", objective, in_line)
+        assert without not in phase_answer("ibis", objective, rule)
 
     def test_json_and_csv_are_the_rows(self, phase):
         rows = json.loads(phase("--json")[0], parse_constant=pytest.fail)
