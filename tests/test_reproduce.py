@@ -18,6 +18,7 @@ from upwash.jobs.pair import Pair
 from upwash.paper.ledger import tally
 from upwash.report.claims import counts
 from upwash.report.figures import FIGURES
+from upwash.report.shown import BY_COST
 
 
 @pytest.fixture
@@ -29,7 +30,7 @@ def results(paper_redone, tmp_path):
 @pytest.fixture
 def undrawn(monkeypatch):
     """Leave the figures that are there already, to save time where they do not matter."""
-    monkeypatch.setattr("upwash.report.page.draw_figures", lambda sources, folder: [])
+    monkeypatch.setattr("upwash.report.page.draw_all", lambda sources, settings, folder: {})
 
 
 @pytest.fixture
@@ -76,7 +77,13 @@ class TestFreshRun:
         assert finished.returncode == 0, finished.stderr
         assert f"agrees with {REFERENCE}" in finished.stderr
         names = {path.name for path in (folder / "results" / "reproduce").iterdir()}
-        assert {"solutions.parquet", "summary.parquet"} <= names
+        assert {"solutions.parquet", "summary.parquet", "drift.parquet"} <= names
+        drift = pd.read_parquet(folder / "results" / "reproduce" / "drift.parquet")
+        of_power = drift[(drift["objective"] == "power") & (drift["sigma_m"] == 0.1)].iloc[0]
+        assert f"{of_power['saving_still']:.1%} {of_power['saving_held']:.1%}" == "16.6% 1.6%"
+        ranges = pd.read_parquet(folder / "results" / "limit" / "ranges.parquet")
+        assert list(ranges["span_law"]) == ["stroke", "tip"]
+        assert (ranges["saving_total_low"] < ranges["saving_total_high"]).all()
 
     def test_prints_exactly_what_the_readme_shows(self, paper_redone):
         assert BLOCK.search(README.read_text(encoding="utf-8"))[0] == paper_redone[1].stdout
@@ -103,9 +110,10 @@ class TestFreshRun:
         assert "results/reproduce/index.html: the page about all of it" in finished.stderr
         page = (folder / "results" / "reproduce" / "index.html").read_text(encoding="utf-8")
         drawn = [name for name in FIGURES if not name.startswith(("species", "refinement"))]
-        assert page.count("<img ") == len(drawn)
+        assert page.count("<img ") == len(drawn) + len(BY_COST)
         for name in drawn:
-            assert f'<h3 id="{name}">' in page
+            for shown in [f"{name}-{cost}" for cost in ("force", "power")] if name in BY_COST else [name]:
+                assert f'<h3 id="{shown}">' in page
             for ending in ("pdf", "png", "svg"):
                 assert (folder / "results" / "reproduce" / "figures" / f"{name}.{ending}").exists()
 

@@ -4,9 +4,13 @@ import os
 
 import pandas as pd
 import pytest
+from renew_claims import kept
 from upwash import columns as of
 from upwash.aero.wake import WakeModel
+from upwash.paper.ledger import write_claims
+from upwash.report.page import write_page
 
+from report import studies
 from report.browser import Browser, find_browser
 
 IBIS = {
@@ -117,3 +121,22 @@ def browser():
         pytest.skip("no Chromium on this machine: apt-get install chromium, or let CI run this")
     with Browser() as one:
         yield one
+
+
+SWEEP = """# A pair & its <flock>.
+description = "The ibis's pair, & more"
+species = "northern-bald-ibis"
+"""
+
+
+@pytest.fixture(scope="session")
+def written(tmp_path_factory):
+    """A page about a pair, a flock, the limit and the kept verdicts on the claims; other species were not run."""
+    root = tmp_path_factory.mktemp("results")
+    pair = studies.write_folder(root / "pair", studies.pair_rows(), text=SWEEP)
+    studies.keep_beside(pair, studies.pair_rows())
+    flock = studies.write_folder(root / "flock", studies.flock_rows(), "flock")
+    limit = studies.write_folder(root / "limit", studies.limit_rows())
+    studies.keep_beside(limit, studies.limit_rows(), with_ranges=True)
+    write_claims(kept(), pair)
+    return write_page(pair, flock, limit)

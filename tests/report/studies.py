@@ -21,7 +21,9 @@ from upwash.jobs.kinds import KINDS
 from upwash.jobs.schema import table_of
 from upwash.journey.speed import CRITERIA
 from upwash.optimum.record import record
+from upwash.study import drift, limit_ranges
 from upwash.study.best_speed import SPEEDS
+from upwash.study.drift import SIGMAS_M
 from upwash.study.migration import MIGRATION
 from upwash.study.phase_rule import CURVE, IN_LINE, V, phase_rule, wrapped
 from upwash.study.robustness import ROBUSTNESS, V_FORMATION
@@ -313,3 +315,42 @@ def flight_frame():
             for step in (0, 1)
         ]
     )
+
+
+def drift_of(rows):
+    """Return what is left of the V optima of some rows while birds drift: the less, the farther they do."""
+    return pd.DataFrame(
+        [
+            {name: row[name] for name in ("job_id", "species", "objective", "model", "span_law")}
+            | {"sigma_m": sigma, "saving_still": row["saving_total"]}
+            | {"saving_held": row["saving_total"] * (1.0 - 4.0 * sigma)}
+            for row in rows
+            if row["is_v_optimum"]
+            for sigma in SIGMAS_M
+        ]
+    )
+
+
+def ranges_of(rows):
+    """Return what birds within the species' ranges save in the limit, by span law."""
+    return pd.DataFrame(
+        [
+            {name: row[name] for name in ("species", "objective", "span_law")}
+            | {
+                f"saving_{name}{end}": row["saving_total"] * factor
+                for name in ("total", "cost")
+                for end, factor in (("", 1.0), ("_low", 0.9), ("_high", 2.0))
+            }
+            | {"samples": 32, "samples_without": 0}
+            for row in rows
+            if row["is_v_optimum"]
+        ]
+    )
+
+
+def keep_beside(folder, rows, with_ranges=False):
+    """Keep what is left of some rows' savings beside them, as `upwash reproduce` does."""
+    drift_of(rows).to_parquet(folder / drift.FILE)
+    if with_ranges:
+        ranges_of(rows).to_parquet(folder / limit_ranges.FILE)
+    return folder

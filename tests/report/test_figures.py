@@ -95,6 +95,8 @@ def everything(pair, flock, species, varied, limit):
         samples=None,
         limit=limit,
         refinement=studies.frame(studies.refinement_rows()),
+        drift=studies.drift_of([*studies.pair_rows(), *studies.limit_rows()]),
+        ranges=studies.ranges_of(studies.limit_rows()),
         claims=kept(),
         observations=read_observations(),
         phase=sources.read_phase(),
@@ -249,7 +251,7 @@ class TestConfigurations:
     def test_filaments_carry_as_many_pluses_as_minuses(self, pair):
         for axes in configurations.draw(pair).axes:
             signs = [text.get_text() for text in axes.texts]
-            assert signs.count("+Γ") == signs.count("−Γ") == 4
+            assert signs.count("+Γ") == signs.count("−Γ") == 2
 
     def test_the_follower_is_raised_and_narrow_or_lowered_and_wide(self, pair):
         ends = [one.get_xydata() for one in drawn(configurations.draw(pair), "follower")]
@@ -297,10 +299,11 @@ class TestOptimalPosition:
 
     def test_forces_are_those_of_the_states_over_weight_and_drag(self, figure):
         found = state_forces(BIRD, BIRD.stroke, pose_at(POWER))
-        expected = found[0, 1, ::-1] / (BIRD.drag_n, BIRD.weight_n)
-        assert line(figure, "force power ud")[0] == pytest.approx(expected)
+        thrust, lift = line(figure, "thrust power")[:, 0], line(figure, "lift power")[:, 0]
+        of_states = found.reshape(4, 2)[:, ::-1] / (BIRD.drag_n, BIRD.weight_n)
+        assert np.column_stack([thrust, lift])[:4] == pytest.approx(of_states)
         mean = (found[0, 1] + found[1, 0])[::-1] / 2 / (BIRD.drag_n, BIRD.weight_n)
-        assert line(figure, "force power m")[0] == pytest.approx(mean)
+        assert (thrust[4], lift[4]) == pytest.approx(tuple(mean))
 
 
 class TestForceMaps:
@@ -315,6 +318,19 @@ class TestForceMaps:
         phase = np.linspace(0, 1, 31)[7]
         lift, thrust = net_force(BIRD, BIRD.stroke, pose_at(FORCE | {"x": x, "k": phase}))
         assert images[5].get_array()[7, 20] == pytest.approx(thrust / BIRD.drag_n)
+
+    def test_colours_mean_the_same_in_both_columns(self, pair):
+        """What the wake gives of what the bird lacks, from none in the middle, has one colour for lift and thrust."""
+        figure, row = force_maps.draw(pair, size=11), rows.best(pair, "force")
+        lift, thrust = (axes.images[0] for axes in figure.axes[:2])
+        own = row["lift_self_n"] / row["weight_n"], row["thrust_self_n"] / row["drag_n"]
+        for share in (-0.5, 0.0, 0.5, 1.0):
+            colours = [
+                image.cmap(image.norm(alone + share * (1.0 - alone)))
+                for image, alone in zip((lift, thrust), own, strict=True)
+            ]
+            assert colours[0] == pytest.approx(colours[1], abs=0.01)
+        assert lift.norm(own[0]) == pytest.approx(0.5)
 
     def test_extents_are_wavelengths_semispans_amplitudes_and_phase(self, pair):
         figure = force_maps.draw(pair, size=11)
@@ -359,29 +375,30 @@ class TestFixedWings:
 
 
 class TestOptimaMap:
-    def test_shows_every_optimum_once(self, pair):
-        figure = optima_map.draw(pair)
-        panel = figure.axes[0]
-        shown = sum(
-            len(one.get_offsets())
-            for one in panel.collections
-            if (one.get_gid() or "").startswith("y_m ") and one.get_array() is not None
-        )
-        assert shown == len(studies.OPTIMA["force"])
+    def test_shows_the_best_where_they_are_the_best_first(self, pair):
+        expected = [[x / WAVELENGTH, y / B] for x, y, *_ in studies.OPTIMA["force"]]
+        assert line(optima_map.draw(pair), "aside optima") == pytest.approx(np.array(expected))
 
     def test_rings_the_v_optimum_and_crosses_the_best(self, pair):
-        figure = optima_map.draw(pair)
-        assert points(figure, "y_m V optimum")[0] == pytest.approx([FORCE["x"] / WAVELENGTH, FORCE["y"] / B])
+        ring, cross = optima_map.draw(pair).axes[0].collections[:2]
         best = studies.OPTIMA["force"][0]
-        assert points(figure, "z_m best")[0] == pytest.approx([best[0] / WAVELENGTH, best[2] / H])
+        assert np.asarray(ring.get_offsets())[0] == pytest.approx([FORCE["x"] / WAVELENGTH, FORCE["y"] / B])
+        assert np.asarray(cross.get_offsets())[0] == pytest.approx([best[0] / WAVELENGTH, best[1] / B])
 
-    def test_colours_by_cost_over_the_leaders(self, pair):
+    def test_names_each_and_says_what_it_costs_above_the_best(self, pair):
         figure = optima_map.draw(pair)
-        rows = pair[(pair["objective"] == "force") & (pair["phase"] == 0.5)].sort_values(
-            "cost", ascending=False
-        )
-        found = drawn(figure, "y_m o")[0].get_array()
-        assert np.asarray(found) == pytest.approx((rows["cost"] / rows["cost_leader"]).to_numpy())
+        of_force = pair[pair["objective"] == "force"].sort_values("rank")
+        above = of_force["cost"] / of_force["cost"].iloc[0] - 1.0
+        assert line(figure, "costs")[:, 0] == pytest.approx(above.to_numpy())
+        names = [text.get_text() for text in figure.axes[4].get_yticklabels()]
+        assert names[1] == "2 outboard, level, astern" and len(names) == len(of_force)
+
+    def test_ten_are_shown_and_the_v_optimum_with_them(self, pair):
+        one = pair[(pair["objective"] == "force") & (pair["rank"] == 0)]
+        many = [one.assign(rank=rank, cost=one["cost"] + rank) for rank in range(15)]
+        many[12] = many[12].assign(is_v_optimum=True)
+        shown = optima_map._best_of(studies.pd.concat(many), "force")
+        assert list(shown["number"]) == [*range(1, 11), 13]
 
 
 class TestFlock:

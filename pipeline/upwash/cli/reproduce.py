@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import asdict
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -16,6 +16,7 @@ from upwash.shipped import shipped
 
 if TYPE_CHECKING:
     from upwash.batch.folder import ResultsFolder
+    from upwash.study.limit_ranges import LimitRange
 
 SWEEP = "reproduce"
 WORKERS = 2
@@ -37,8 +38,9 @@ def reproduce(results: str, json_output: bool) -> None:
 
     Solves the paper's pair for both of its objectives, its flocks, the pair at other airspeeds, and the pair
     where the equations are converged; checks the results and compares those of the pair with what is kept
-    with the code. Then judges the paper's claims, draws its figures, and writes a page that shows all of it.
-    What is solved already is kept. Exit code 3 if a check fails.
+    with the code. Then lets the birds drift about their best places, judges the paper's claims, draws its
+    figures, and writes a page that shows all of it. What is solved already is kept. Exit code 3 if a check
+    fails.
 
     \b
     Example:
@@ -48,11 +50,15 @@ def reproduce(results: str, json_output: bool) -> None:
     from upwash.batch.folder import ResultsFolder
     from upwash.batch.store import read_table
     from upwash.paper import judge_claims, read_evidence
-    from upwash.paper.evidence import beside
+    from upwash.paper.evidence import LIMIT, beside
     from upwash.paper.ledger import tally, write_claims
     from upwash.report.claims import counts
     from upwash.report.page import write_page
     from upwash.report.reproduction import reproduction, reproduction_record
+    from upwash.species.library import REFERENCE as SPECIES
+    from upwash.study.drift import keep_drift
+    from upwash.study.limit_ranges import keep_ranges
+    from upwash.study.sources import read_study
 
     folder = ResultsFolder(results)
     others = beside(folder.path)
@@ -60,6 +66,12 @@ def reproduce(results: str, json_output: bool) -> None:
     for path in others:
         solve_and_check(path.name, ResultsFolder(path))
     solutions = read_table(folder.gathered(), folder.schema()).to_pandas()
+    in_limit = next(path for path in others if path.name == LIMIT)
+    at_work("letting the birds drift")
+    for path in (folder.path, in_limit):
+        keep_drift(path, read_study(path).rows)
+    at_work("solving for birds within the species' ranges")
+    keep_ranges(in_limit, SPECIES, "power", find_ranges)
     comparison = compare_folders(folder, ResultsFolder(REFERENCE))[0]
     at_work("judging the claims")
     ledger = judge_claims(read_evidence(results))
@@ -87,6 +99,25 @@ def reproduce(results: str, json_output: bool) -> None:
         remedy = f"see 'upwash diff {results} {REFERENCE}'"
         raise CheckFailed(f"{results}: expected what is kept in {REFERENCE}, found something else; {remedy}")
     say(f"{results}: agrees with {REFERENCE}")
+
+
+def find_ranges() -> list[LimitRange]:
+    """Find what the paper's bird saves in the limit, with its species' own ranges."""
+    from upwash.jobs.pair import Pair
+    from upwash.species.library import REFERENCE as SPECIES
+    from upwash.study.limit_ranges import SAMPLES, SEED, limit_ranges, pair_in
+    from upwash.sweep.single import jobs_within_ranges
+
+    asked: dict[str, Any] = {
+        "species": SPECIES,
+        "settings": (),
+        "amplitude": "stroke-angle",
+        "model": "limit",
+    }
+    asked |= {"objective": "power", "seed": 0, "tolerance": 1e-4}
+    jobs = jobs_within_ranges(SAMPLES, SEED, kind=Pair, **asked)
+    birds = {law: [pair_in(one) for one in of_law] for law, of_law in jobs.items()}
+    return limit_ranges(birds, "power", in_v=True)
 
 
 def solve_and_check(sweep: str, folder: ResultsFolder) -> str:

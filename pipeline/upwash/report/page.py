@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import math
 import os
@@ -20,26 +19,36 @@ import pandas as pd
 from upwash import columns as of
 from upwash.batch.folder import ResultsFolder
 from upwash.batch.store import write_atomic
-from upwash.paper.ledger import FILE
-from upwash.report.claims import counts, ledger_shown
+from upwash.report.cards import claims_shown
 from upwash.report.explorer.page import write_explorer
-from upwash.report.figures.catalogue import FIGURES, FOLDER, draw_figures
+from upwash.report.figures.catalogue import FIGURES, FOLDER
+from upwash.report.figures.drawing import OUTLINE
+from upwash.report.first_screen import headline, how_sure, lead, numbers, scenes
 from upwash.report.policy import policy
-from upwash.report.story import CHAPTERS, Chapter, short_answer
+from upwash.report.shown import Shown, draw_all
+from upwash.report.story import CHAPTERS, Chapter
+from upwash.report.switches import Said, Switches, switches
 from upwash.report.table import Table
-from upwash.report.words import true_minus
+from upwash.report.words import least, true_minus, words_of
 from upwash.species import Species, load_species
 from upwash.species.library import library_paths
 from upwash.study.sources import Sources, Study, read_study, sort_studies
 
 PAGE, EXPLORER = "index.html", "explorer.html"
 TEMPLATES = files("upwash.report") / "templates"
+ASSETS = {"css": ("page.css",), "js": ("switches.js", "scene.js", "marks.js", "tables.js")}
+"""The parts of the page's style and script."""
+
+NO_BIRD = "These results single out no bird whose optimum could be shown here."
 
 MOST_ROWS = 400
 """A longer table is cut, and says so: the files hold the rest."""
 
 LONG = 40
 """Cells of more characters are wrapped."""
+
+UNIT = r"(?<=[0-9]) (?=(%|cm|m|b|h_L|λ|N|W|J|kg|s|g)(?![\w]))"
+"""The blank between a number and its unit."""
 
 CODE = 'from upwash.report.figures import draw; draw("{name}", "{folder}").savefig("{name}.pdf")'
 """The line that makes a figure."""
@@ -74,15 +83,34 @@ def write_page(results: str | os.PathLike[str], *more: str | os.PathLike[str]) -
     folder = Path(results)
     studies = [read_study(Path(path)) for path in (results, *more)]
     sources = sort_studies(studies)
-    draw_figures(sources, folder / FOLDER)
+    settings = switches(sources)
+    figures = draw_all(sources, settings, folder / FOLDER)
     write_explorer(folder / EXPLORER, species=_first_of_library(studies[0]))
     path = folder / PAGE
-    write_atomic(path, render(folder, studies, sources).encode())
+    write_atomic(path, render(folder, studies, sources, settings, figures).encode())
     return path
 
 
-def render(folder: Path, studies: list[Study], sources: Sources) -> str:
-    """Return the page's HTML; its figures have been drawn."""
+def render(
+    folder: Path,
+    studies: list[Study],
+    sources: Sources,
+    settings: Switches,
+    figures: dict[str, list[Shown]],
+) -> str:
+    """Return the page's HTML.
+
+    Parameters
+    ----------
+    folder : Path
+        The results folder that the page is about.
+    studies, sources
+        What was read, and the frames found in it.
+    settings : Switches
+        The page's switches.
+    figures : dict
+        Name -> the figure as it is shown, for each setting in which it differs.
+    """
     environment = jinja2.Environment(
         loader=jinja2.FunctionLoader(lambda name: (TEMPLATES / name).read_text(encoding="utf-8")),
         autoescape=True,
@@ -91,15 +119,29 @@ def render(folder: Path, studies: list[Study], sources: Sources) -> str:
         lstrip_blocks=True,
     )
     environment.filters["subscripts"] = subscripts
-    texts = {name: (TEMPLATES / f"page.{name}").read_text(encoding="utf-8") for name in ("css", "js")}
+    environment.filters["cost_words"] = least
+    texts = {
+        ending: "".join((TEMPLATES / name).read_text(encoding="utf-8") for name in names)
+        for ending, names in ASSETS.items()
+    }
     title, description = _title(studies[0])
     command = " ".join(["upwash page", *(study.path.as_posix() for study in studies)])
+    chapters = [_chapter(chapter, folder, sources, figures, command) for chapter in CHAPTERS]
+    marks = {figure["name"]: figure["marks"] for one in chapters for figure in one["shown"] + one["folded"]}
     return environment.get_template("page.html.j2").render(
         title=title,
-        description=description,
-        answer=short_answer(sources),
-        chapters=[_chapter(chapter, folder, sources, command) for chapter in CHAPTERS],
-        claims=_claims(studies),
+        headline=headline(sources) or [Said(description or title)],
+        lead=lead(sources) or [Said(NO_BIRD)],
+        numbers=numbers(sources),
+        sure=how_sure(sources),
+        switches=settings,
+        cost_words={cost: words_of(cost) for cost in settings.costs},
+        has_scene=bool(scenes(sources)),
+        data=as_data({"scenes": scenes(sources), "marks": marks}),
+        bird=OUTLINE,
+        chapters=[one for one in chapters if one["is_there"]],
+        missing=[one for one in chapters if not one["is_there"]],
+        claims=claims_shown(sources.claims, table_context),
         jobs=_jobs(studies[0]),
         downloads=_downloads(folder, studies),
         provenance=[_provenance(study, folder) for study in studies],
@@ -111,6 +153,14 @@ def render(folder: Path, studies: list[Study], sources: Sources) -> str:
     )
 
 
+def as_data(value: Any) -> markupsafe.Markup:
+    """Return a value as JSON that can stand in a page: nothing in it ends or opens an element."""
+    text = json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    for character in "<>&\u2028\u2029":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return markupsafe.Markup(text)
+
+
 def _first_of_library(study: Study) -> Species | None:
     """Return the first of a study's species that is one of the library, with which the explorer begins."""
     library = {path.stem: path for path in library_paths()}
@@ -120,8 +170,11 @@ def _first_of_library(study: Study) -> Species | None:
 
 
 def subscripts(text: str) -> markupsafe.Markup:
-    """Return a text with indices set low, as in h_L and R_1; names of columns, such as x_m, stay as they are."""
-    escaped = str(markupsafe.escape(text))
+    """Return a text with indices set low, as in h_L and R_1, and units that never part from their numbers.
+
+    Names of columns, such as x_m, stay as they are.
+    """
+    escaped = re.sub(UNIT, "\u00a0", str(markupsafe.escape(text)))
     low = r"\b([A-Za-zΓβκ])_([A-Z]|\d+|(?<=I_)[xz](?=/)|(?<=β_)[ud]{2})(?![A-Za-z_])"
     return markupsafe.Markup(re.sub(low, r"\1<sub>\2</sub>", escaped))
 
@@ -133,47 +186,49 @@ def _title(study: Study) -> tuple[str, str]:
     return (plan.sweep if plan else study.path.resolve().name), str(description)
 
 
-def _chapter(chapter: Chapter, folder: Path, sources: Sources, command: str) -> dict[str, Any]:
-    figures = []
-    for name in chapter.figures:
-        frames = FIGURES[name].arguments(sources)
-        if frames is not None:
-            figures.append(_figure(name, frames, folder, sources))
+def _chapter(
+    chapter: Chapter, folder: Path, sources: Sources, figures: dict[str, list[Shown]], command: str
+) -> dict[str, Any]:
+    at_once, folded = (
+        [one for name in names for one in _figures(name, folder, sources, figures.get(name, []))]
+        for names in (chapter.figures, chapter.more)
+    )
     tables = [
-        table_context(table, f"{chapter.name}-{number}")
-        for number, table in enumerate(chapter.tables(sources), 1)
+        table_context(one.table, f"{chapter.name}-{number}") | {"costs": one.costs, "models": one.models}
+        for number, one in enumerate(chapter.tables(sources), 1)
     ]
     return {
         "name": chapter.name,
         "title": chapter.title,
-        "words": chapter.words,
-        "figures": figures,
+        "words": chapter.words(sources),
+        "shown": at_once,
+        "folded": folded,
         "tables": tables,
-        "missing": "" if figures else chapter.missing,
+        "is_there": bool(at_once or folded),
+        "needs": chapter.needs,
         "remedy": chapter.remedy(command),
     }
 
 
-def _figure(name: str, frames: dict[str, Any], folder: Path, sources: Sources) -> dict[str, Any]:
+def _figures(name: str, folder: Path, sources: Sources, shown: list[Shown]) -> list[dict[str, Any]]:
+    """Return a figure as the page takes it, for each setting of the switches in which it differs."""
     picture = FIGURES[name]
-    svg = (folder / FOLDER / f"{name}.svg").read_bytes()
-    # The size in points stands in the first tag.
-    width, height = (
-        float(size) * 4.0 / 3.0 for size in re.findall(rb'(?:width|height)="([\d.]+)pt"', svg[:2000])[:2]
-    )
-    # What is kept with the code comes with any folder.
-    origin = sources.folders.get(picture.needs[0], folder)
-    return {
-        "name": name,
-        "title": picture.title,
-        "caption": picture.caption,
-        "words": picture.describe(**frames),
-        "data": "data:image/svg+xml;base64," + base64.b64encode(svg).decode(),
-        "width": round(width),
-        "height": round(height),
-        "files": [f"{FOLDER}/{name}{ending}" for ending in (".pdf", ".png", ".svg")],
-        "code": CODE.format(name=name, folder=origin.as_posix()),
-    }
+    figures = []
+    for one in shown:
+        # What is kept with the code comes with any folder.
+        origin = sources.folders.get(picture.needs[0], folder)
+        figures.append(
+            vars(one)
+            | {
+                "name": "-".join((name, *(one.costs if len(shown) > 1 else ()))),
+                "title": picture.title,
+                "caption": picture.caption,
+                "marks": [[mark.left, mark.top, mark.text] for mark in one.marks],
+                "files": [f"{FOLDER}/{name}{ending}" for ending in (".pdf", ".png", ".svg")],
+                "code": CODE.format(name=name, folder=origin.as_posix()),
+            }
+        )
+    return figures
 
 
 def table_context(table: Table, name: str) -> dict[str, Any]:
@@ -198,7 +253,11 @@ def table_context(table: Table, name: str) -> dict[str, Any]:
     notes = list(table.notes)
     if len(table.frame) > MOST_ROWS:
         notes.append(f"the first {MOST_ROWS} of {len(table.frame)} rows; the files hold all")
-    head = [{"text": str(name), "numeric": is_number} for name, is_number in zip(frame, numeric, strict=True)]
+    # A column of labels alone has no name where it is printed.
+    head = [
+        {"text": str(name) or "label", "numeric": is_number}
+        for name, is_number in zip(frame, numeric, strict=True)
+    ]
     return {"name": name, "title": table.title, "head": head, "rows": rows, "notes": notes}
 
 
@@ -208,17 +267,6 @@ def sort_key(value: Any, text: str) -> str:
         return repr(float(value)) if math.isfinite(value) else ""
     number = re.match(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?(?![\w.])", text)
     return number[0] if number else "" if text == "-" else text
-
-
-def _claims(studies: Iterable[Study]) -> dict[str, Any] | None:
-    """Return the ledger of the paper's claims and their counts, if a folder has it."""
-    for study in studies:
-        path = study.path / FILE
-        if path.exists():
-            ledger = pd.read_parquet(path)
-            table = Table("Each claim of the paper, and our verdict", ledger_shown(ledger))
-            return {"table": table_context(table, "claims"), "counts": counts(ledger)}
-    return None
 
 
 def _jobs(study: Study) -> dict[str, Any]:

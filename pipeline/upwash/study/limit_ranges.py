@@ -6,8 +6,9 @@ there is an interval.  Its ends are found by descents and not proved: there is o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,9 @@ import pandas as pd
 
 from upwash.aero.bird import Bird
 from upwash.aero.wake import WakeModel
+from upwash.batch.store import encode, provenance, write_atomic
+from upwash.columns import INTEGER, Column, column, names
+from upwash.jobs.schema import schema_of
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.search import EndlessSearch
 from upwash.optimum.record import V_LABELS
@@ -27,6 +31,32 @@ SAMPLES, SEED = 32, 1
 
 STARTS, OWN_STARTS = 16, 64
 """Descents in each sample, and for the bird itself: of least force there are several basins of nearly one cost."""
+
+
+FILE = "ranges.parquet"
+"""File of the ranges, in a results folder."""
+
+_OF_POWER, _OF_COST = (
+    tuple(
+        Column(f"saving_{name}{end}", "1", f"saving of {words}: {of_whom}")
+        for end, of_whom in (
+            ("", "of the bird itself"),
+            ("_low", f"{LOW:.0%} quantile over the samples"),
+            ("_high", f"{HIGH:.0%} quantile over the samples"),
+        )
+    )
+    for name, words in (("total", "total power"), ("cost", "the cost"))
+)
+RANGES = (
+    column("species"),
+    column("objective"),
+    column("span_law"),
+    *_OF_POWER,
+    *_OF_COST,
+    Column("samples", "1", "samples of the bird's inputs", INTEGER),
+    Column("samples_without", "1", "samples without such an optimum", INTEGER),
+)
+"""Columns of the file, one row a span law."""
 
 
 class PairIn(NamedTuple):
@@ -128,6 +158,39 @@ def limit_ranges(
             )
         )
     return ranges
+
+
+def keep_ranges(
+    folder: Path, species: str, objective: str, find: Callable[[], Sequence[LimitRange]]
+) -> pd.DataFrame:
+    """Return the ranges at the V optimum; what a results folder holds already is not computed anew.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder, whose file `FILE` is written.
+    species, objective : str
+        Whose ranges, and of which cost.
+    find : callable
+        Finds them, as `limit_ranges` does.
+    """
+    known = read_ranges(folder)
+    if known is not None and (known[["species", "objective"]] == [species, objective]).all(axis=None):
+        return known
+    same = {"species": species, "objective": objective}
+    rows = [same | {name: _known(value) for name, value in asdict(one).items()} for one in find()]
+    write_atomic(folder / FILE, encode(rows, schema_of(RANGES), provenance("")))
+    return pd.DataFrame(rows, columns=names(RANGES))
+
+
+def _known(value: Any) -> Any:
+    return None if isinstance(value, float) and np.isnan(value) else value
+
+
+def read_ranges(folder: Path) -> pd.DataFrame | None:
+    """Return the ranges that are kept in a results folder, or None."""
+    path = folder / FILE
+    return pd.read_parquet(path) if path.exists() else None
 
 
 def _savings(

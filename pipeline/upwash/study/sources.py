@@ -21,7 +21,9 @@ from upwash.jobs.kind import Kind
 from upwash.jobs.kinds import KINDS
 from upwash.shipped import shipped
 from upwash.species.library import LIBRARY_FOLDER, REFERENCE, load_species
+from upwash.study.drift import read_drift
 from upwash.study.intervals import KEYS
+from upwash.study.limit_ranges import read_ranges
 from upwash.study.observations import read_observations
 from upwash.study.observed.published_savings import read_published_savings
 from upwash.study.studies import samples_beside
@@ -68,6 +70,10 @@ class Sources:
         All optima of one bird as states, points of the span and wavelengths are refined.
     claims : DataFrame or None
         The ledger of the paper's claims.
+    drift : DataFrame or None
+        What is left at the V optima of one bird while it drifts, by the columns of `upwash.study.drift.DRIFT`.
+    ranges : DataFrame or None
+        What birds within the species' own ranges save in the limit.
     observations : DataFrame
         What was measured on birds.
     phase : DataFrame
@@ -87,6 +93,8 @@ class Sources:
     limit: pd.DataFrame | None
     refinement: pd.DataFrame | None
     claims: pd.DataFrame | None
+    drift: pd.DataFrame | None
+    ranges: pd.DataFrame | None
     observations: pd.DataFrame
     phase: pd.DataFrame
     observed: pd.DataFrame
@@ -135,10 +143,14 @@ def sort_studies(studies: Iterable[Study]) -> Sources:
         field.name: None for field in fields(Sources) if field.name not in always
     }
     folders: dict[str, Path] = {}
+    studies = list(studies)
     for study in studies:
         for name, rows in _frames_of(study).items():
             if rows is not None and _is_better(name, rows, frames[name]):
                 frames[name], folders[name] = rows, study.path
+    frames["drift"] = _drift_of(frames, [study.path for study in studies])
+    if frames["drift"] is not None:
+        folders["drift"] = folders["pair" if frames["pair"] is not None else "limit"]
     return Sources(
         **frames,
         observations=read_observations(),
@@ -146,6 +158,17 @@ def sort_studies(studies: Iterable[Study]) -> Sources:
         observed=read_published_savings(),
         folders=folders,
     )
+
+
+def _drift_of(frames: dict[str, pd.DataFrame | None], paths: Iterable[Path]) -> pd.DataFrame | None:
+    """Return what is left of the jobs that are shown of the pair, in the paper's model and in the limit."""
+    kept = [found for path in dict.fromkeys(paths) for found in [read_drift(path)] if found is not None]
+    shown = [frame["job_id"] for name in ("pair", "limit") for frame in [frames[name]] if frame is not None]
+    if not kept or not shown:
+        return None
+    rows = pd.concat(kept, ignore_index=True).drop_duplicates(["job_id", "sigma_m"])
+    rows = rows[rows["job_id"].isin(pd.concat(shown))]
+    return rows.reset_index(drop=True) if len(rows) else None
 
 
 def read_phase() -> pd.DataFrame:
@@ -163,6 +186,7 @@ def _frames_of(study: Study) -> dict[str, pd.DataFrame | None]:
     return {
         "claims": pd.read_parquet(ledger) if ledger.exists() else None,
         "limit": _limit(study.rows[is_endless]),
+        "ranges": read_ranges(study.path),
         "refinement": _refinement(study.rows),
         **_frames_of_ending(replace(study, rows=study.rows[~is_endless])),
     }

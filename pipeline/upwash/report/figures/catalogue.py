@@ -15,6 +15,7 @@ from upwash.batch.store import cannot_write, replacing
 from upwash.errors import UpwashError
 from upwash.report.figures import (
     configurations,
+    drift,
     fixed_wings,
     flock_formation,
     flock_saving,
@@ -52,6 +53,7 @@ FIGURES: dict[str, Picture] = {
         limit_place.PICTURE,
         limit_phase.PICTURE,
         limit_claims.PICTURE,
+        drift.PICTURE,
         refinement.PICTURE,
         observed_saving.PICTURE,
         flock_formation.PICTURE,
@@ -109,18 +111,12 @@ def draw(name: str, *results: str | os.PathLike[str]) -> Figure:
     return figure.draw(**frames)
 
 
-def draw_figures(sources: Sources, folder: Path) -> list[Path]:
-    """Write every figure that some frames allow into a folder, and return the files."""
+def make_folder(folder: Path) -> None:
+    """Make the folder of the figures."""
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise cannot_write(folder, error) from error
-    written = []
-    for figure in FIGURES.values():
-        frames = figure.arguments(sources)
-        if frames is not None:
-            written += save_all(figure.draw(**frames), folder / figure.name)
-    return written
 
 
 def save_all(drawn: Figure, stem: Path, endings: Iterable[str] = METADATA) -> list[Path]:

@@ -20,6 +20,7 @@ from upwash.report.figures.drawing import (
     letter,
     styled,
 )
+from upwash.report.figures.flying_bird import flying_bird
 from upwash.report.figures.perspective import View, draw_directions
 from upwash.report.figures.picture import Picture
 from upwash.report.words import least, percent, signed
@@ -28,10 +29,10 @@ from upwash.study.rows import best, bird_of, objectives_of, state_forces_of
 CAPTION = (
     "While the leader (black, at the origin) is up (a, b), the rectangle of its upstroke (blue, dashed) is the "
     "nearer one; while it is down (c, d), that of its downstroke (green, solid). Each rectangle is a closed loop "
-    "of filaments of circulation Γ whose sense the small arrows show; signs are relative to +x and +y. The "
-    "follower (orange line) is a lifting line between its wingtips, raised and narrow when up (a, c), "
-    "lowered and wide when down (b, d), shown at the optimum. Red: the force that the wake exerts on it, an "
-    "arrow to one scale in all four, left out where it would be shorter than its head. β: the share of the "
+    "of filaments of circulation Γ whose sense the small arrows show; signs, on those along the flight, are relative "
+    "to +x. The follower (orange line) is a lifting line between its wingtips, raised and narrow when up (a, c), "
+    "lowered and wide when down (b, d), shown at the optimum. Red: the force that the wake exerts on it, to one "
+    "scale in all four, but never shorter than its head. β: the share of the "
     "wingbeat for which the pair of states lasts."
 )
 STATES = ("up", "down")
@@ -93,7 +94,7 @@ def draw(pair: pd.DataFrame) -> Figure:
         panels[0, 0], VIEW, (row["speed_m_s"] * row["period_s"] * 0.75, -1.5 * b, -0.6 * b), 0.4 * b
     )
     entries = [
-        entry("leader", color=LEADER, linewidth=2.5),
+        entry("leader", color=LEADER, linewidth=4.0),
         entry("upstroke's ring", color=UPSTROKE, linestyle="--", linewidth=1.8),
         entry("downstroke's ring", color=DOWNSTROKE, linewidth=1.8),
         entry(f"follower, {least(row['objective'])}", color=FOLLOWER, linewidth=3.0),
@@ -134,19 +135,18 @@ def _draw_wake(axes: Axes, row: pd.Series, state: int) -> None:
                     "mutation_scale": 9,
                 },
             )
-            # Filaments 0 and 1 run along +y and +x; 2 and 3 return. Signs stand outside the loop.
+            # Filaments 0 and 1 run along +y and +x; 2 and 3 return. Signs stand outside the loop, on the long ones.
+            if not k % 2:
+                continue
             outward = middle - VIEW.flat(corners).mean(axis=0)
-            # Those beside a wing or the next loop stand farther out.
-            distance = 0.24 if k % 2 else 0.3
-            place = middle + distance * bird.semispan_m * outward / np.linalg.norm(outward)
+            place = middle + 0.24 * bird.semispan_m * outward / np.linalg.norm(outward)
             axes.text(place[0], place[1], "+Γ" if k < 2 else "−Γ", ha="center", va="center", fontsize=6.5)
     tip = bird.amplitude_m * stroke_height(state / 2)
     fixed, flexed = stroke_span(state / 2)
     reach = bird.semispan_m * (fixed + flexed * bird.upstroke_span_ratio)
-    wings = [(0.0, -reach, tip), (0.0, 0.0, 0.0), (0.0, reach, tip)]
-    axes.plot(
-        *VIEW.flat(wings).T, color=LEADER, linewidth=2.5, solid_joinstyle="round", zorder=3, gid="leader"
-    )
+    flexed_by = (bird.semispan_m - reach) / (bird.semispan_m * (1.0 - bird.upstroke_span_ratio))
+    for outline in flying_bird(reach, tip, flexed_by, bird.semispan_m):
+        axes.fill(*VIEW.flat(outline).T, color=LEADER, linewidth=0.5, zorder=3)
 
 
 def _draw_follower(axes: Axes, row: pd.Series, state: int, arrow: np.ndarray) -> None:
@@ -158,8 +158,8 @@ def _draw_follower(axes: Axes, row: pd.Series, state: int, arrow: np.ndarray) ->
     axes.plot(
         *VIEW.flat(ends).T, color=FOLLOWER, linewidth=3.0, marker="o", markersize=4, zorder=4, gid="follower"
     )
-    if np.linalg.norm(arrow) < SHORTEST_FORCE * row["semispan_m"]:
-        return
+    length, least_length = float(np.linalg.norm(arrow)), SHORTEST_FORCE * row["semispan_m"]
+    arrow = arrow * max(1.0, least_length / length) if length > 0.0 else arrow
     # Lift points up, thrust upstream.
     tail, head = VIEW.flat([middle, middle + np.array([-arrow[1], 0.0, arrow[0]])])
     axes.annotate(

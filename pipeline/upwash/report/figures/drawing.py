@@ -87,14 +87,18 @@ def save(figure: Figure, path: Path, ending: str = "") -> None:
     ending : str
         Format: ``.pdf``, ``.png`` or ``.svg``; that of the path if not given.
     """
-    ending = ending or path.suffix
+    path.write_bytes(as_bytes(figure, ending or path.suffix))
+
+
+def as_bytes(figure: Figure, ending: str) -> bytes:
+    """Return a figure as the content of a file of a format, given by its ending."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         style.use(STYLE)
         # A disk that fills up while Matplotlib writes to it ends in errors of its own.
         drawn = io.BytesIO()
         figure.savefig(drawn, format=ending[1:], metadata=METADATA[ending])
-    path.write_bytes(drawn.getvalue())
+    return drawn.getvalue()
 
 
 def mark(objective: str, **changes: Any) -> dict[str, Any]:
@@ -138,6 +142,20 @@ def legend_below(figure: Figure, shown: Axes | Sequence[Line2D], columns: int) -
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
+OUTLINE = (
+    (-0.50, 0.00),
+    (-0.36, 0.04),
+    (-0.22, 0.07),
+    (-0.24, 0.45),
+    (-0.06, 1.00),
+    (0.10, 0.50),
+    (0.14, 0.08),
+    (0.34, 0.05),
+    (0.50, 0.09),
+)
+"""Half the outline of a bird seen from above, from the bill back to the tail: x in lengths, y in half-spans."""
+
+
 def draw_bird(
     axes: Axes,
     x: float,
@@ -159,20 +177,7 @@ def draw_bird(
     **look
         Passed on to the polygon.
     """
-    # Half the outline, from the bill back to the tail: (x in lengths, y in half-spans).
-    outline = np.array(
-        [
-            (-0.50, 0.00),
-            (-0.36, 0.04),
-            (-0.22, 0.07),
-            (-0.24, 0.45),
-            (-0.06, 1.00),
-            (0.10, 0.50),
-            (0.14, 0.08),
-            (0.34, 0.05),
-            (0.50, 0.09),
-        ]
-    )
+    outline = np.array(OUTLINE)
     both = np.vstack([outline, outline[::-1] * (1.0, -1.0)])
     look = {"facecolor": LEADER, "edgecolor": "none", "alpha": 0.25, "zorder": 1} | look
     axes.add_patch(Polygon(both * (length, half_span) + (x, y), closed=True, **look))

@@ -19,17 +19,21 @@ from upwash.study.rows import best, objectives_of
 CAPTION = (
     "The follower's own force and the wake's together, in three planes through the optimum, from above (a, b), "
     "from the side (c, d) and by phase (e, f): vertical force over weight (left) and thrust over drag (right). "
-    "All that is not on the axes is as at the optimum "
-    "(orange dot). Black line: the force is exactly what is needed, 1; it is reached in few places, and at "
-    "the optimum in both columns at once. Brighter: more than needed. Darker: the bird would sink or slow "
-    "down. The leader (black diamond) is at the origin; in the last row it has phase 0. Colours end at the "
-    "limits of the bar; beyond them, near the vortex cores, they stay the same."
+    "Colours mean the same in both columns: white, the wake gives nothing there and the bird has its own force alone; "
+    "the more orange, the more of what it lacks the wake gives; purple, the wake takes. Black line: exactly what is "
+    "needed, 1; it is reached in few places, and at the optimum (dot) in both columns at once. All that is not "
+    "on the axes is as at the optimum. The leader (black diamond) is at the origin; in the last row it has "
+    "phase 0. Colours end at the limits of the bar; beyond them, near the vortex cores, they stay the same."
 )
-QUANTITIES = {"lift": "$F_z/W$, vertical force over weight", "thrust": "$−F_x/D$, thrust over drag"}
+QUANTITIES = {"lift": "vertical force over weight", "thrust": "thrust over drag"}
+TITLES = {"xy": "From above", "xz": "From the side", "xk": "By phase"}
 SECOND_LABELS = {"xy": "y/b, to the right", "xz": "z/$h_L$, up", "xk": "κ, phase"}
 
-# Share of the map's points that may lie beyond either end of the colours.
-CLIPPED = 0.005
+COLOURS = "PuOr_r"
+"""From purple, where the wake takes, over white to orange, where it gives."""
+
+REACH = 1.25
+"""Colours end where the wake gives or takes so many times what the bird lacks."""
 
 
 def describe(pair: pd.DataFrame) -> str:
@@ -74,16 +78,23 @@ def _draw_maps(row: pd.Series, maps: list[ForceMap]) -> Figure:
     figure = Figure(figsize=(PAGE_WIDTH_IN, 1.0 + 1.75 * len(maps)), layout="constrained")
     panels = figure.subplots(len(maps), 2, squeeze=False, sharex=True)
     values = [ratios(plane_map, row) for plane_map in maps]
+    own = {"lift": row["lift_self_n"] / row["weight_n"], "thrust": row["thrust_self_n"] / row["drag_n"]}
     for column, quantity in enumerate(QUANTITIES):
-        norm = _norm(np.concatenate([of_plane[quantity].ravel() for of_plane in values]))
+        norm = _norm(own[quantity])
         for line, plane_map in enumerate(maps):
             axes = panels[line, column]
             _draw_map(axes, row, plane_map, values[line][quantity], norm)
-            letter(axes, "abcdef"[2 * line + column], QUANTITIES[quantity] if line == 0 else "")
+            letter(axes, "abcdef"[2 * line + column], f"{TITLES[plane_map.plane]}: {QUANTITIES[quantity]}")
             axes.set_xlabel("x/λ, downstream" if line == len(maps) - 1 else "")
             axes.set_ylabel(SECOND_LABELS[plane_map.plane] if column == 0 else "")
         bar = figure.colorbar(
-            ScalarMappable(norm), ax=panels[:, column], location="bottom", aspect=40, pad=0.02, extend="both"
+            ScalarMappable(norm, COLOURS),
+            ax=panels[:, column],
+            location="bottom",
+            aspect=40,
+            pad=0.02,
+            extend="both",
+            label=QUANTITIES[quantity],
         )
         bar.ax.axvline(1.0, color="black", linewidth=1.2)
     handles, labels = panels[0, 0].get_legend_handles_labels()
@@ -91,17 +102,19 @@ def _draw_maps(row: pd.Series, maps: list[ForceMap]) -> Figure:
     return figure
 
 
-def _norm(values: np.ndarray) -> Normalize:
-    """Colours over all but the extreme values, with the needed force, 1, always within."""
-    low, high = np.quantile(values, [CLIPPED, 1.0 - CLIPPED])
-    return Normalize(min(low, 0.99), max(high, 1.01))
+def _norm(own: float) -> Normalize:
+    """Colours about the bird's own force, white, as far as what it lacks and a little beyond, both ways."""
+    reach = REACH * max(abs(1.0 - own), 0.01)
+    return Normalize(own - reach, own + reach)
 
 
 def _draw_map(axes: Axes, row: pd.Series, plane_map: ForceMap, values: np.ndarray, norm: Normalize) -> None:
     unit = {"xy": row["semispan_m"], "xz": row["leader_amplitude_m"], "xk": 1.0}[plane_map.plane]
     x, second = plane_map.first / (row["speed_m_s"] * row["period_s"]), plane_map.second / unit
     extent = (x[0], x[-1], second[0], second[-1])
-    axes.imshow(values, origin="lower", extent=extent, aspect="auto", norm=norm, interpolation="nearest")
+    axes.imshow(
+        values, origin="lower", extent=extent, aspect="auto", norm=norm, cmap=COLOURS, interpolation="nearest"
+    )
     axes.contour(x, second, values, levels=[1.0], colors="black", linewidths=0.8)
     place = {"xy": row["y_m"], "xz": row["z_m"], "xk": row["phase"]}[plane_map.plane] / unit
     axes.plot(

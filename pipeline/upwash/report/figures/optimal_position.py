@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
 from upwash.aero.interaction import phase_weights
 from upwash.aero.wake import spanwise_spacing_rule
@@ -19,11 +18,13 @@ from upwash.report.figures.drawing import (
     OBSERVED,
     PAGE_WIDTH_IN,
     draw_bird,
+    in_percent,
     letter,
     mark,
     styled,
     tip_height,
 )
+from upwash.report.figures.marks import tell
 from upwash.report.figures.picture import Picture
 from upwash.report.words import common_name, least
 from upwash.study.rows import best, objectives_of, state_forces_of
@@ -34,11 +35,18 @@ CAPTION = (
     "R_F)/2). Diamonds: what was measured on birds, hollow where it was computed from another measurement. "
     "Birds show which way is forward; their wings are to scale in y. (b) The same from the side, in units "
     "of the leader's amplitude h_L. Lines: the path in the air of the leader's wingtip at the end of its "
-    "upstroke, and of the followers' at the same time; bars: the followers' stroke. (c) The force that the "
-    "wake exerts on the follower in each pair of stroke states, over weight W and drag D, and its mean over "
-    "the wingbeat (m); first letter: leader up or down, second: follower. (d) The frame in (c), larger."
+    "upstroke, and of the followers' at the same time; bars: the followers' stroke. What the wake gives "
+    "in each pair of stroke states, and on average over the wingbeat: (c) thrust over the bird's drag, (d) lift over "
+    "its weight. In antiphase only two of the pairs come to pass: one wing up while the other is down."
 )
-STATES = ("uu", "ud", "du", "dd")
+STATES = {
+    "uu": "leader up, follower up",
+    "ud": "leader up, follower down",
+    "du": "leader down, follower up",
+    "dd": "leader down, follower down",
+}
+MEAN = "mean of the wingbeat"
+KINDS = ("thrust", "lift")
 
 
 def wake_forces(row: pd.Series) -> np.ndarray:
@@ -95,13 +103,9 @@ def draw(pair: pd.DataFrame, observations: pd.DataFrame) -> Figure:
     _draw_above(panels[0, 0], rows, measured(observations, rows[0]["species"]))
     _draw_side(panels[0, 1], rows)
     forces = {row["objective"]: wake_forces(row) for row in rows}
-    _draw_forces(panels[1, 0], forces, (*STATES, "m"), "c")
-    small = np.abs([of_states[[0, 2, 3]] for of_states in forces.values()]).max(axis=(0, 1)) * (1.3, 1.8)
-    _draw_forces(panels[1, 1], forces, ("uu", "du", "dd"), "d")
-    panels[1, 1].set(xlim=(-small[0], small[0]), ylim=(-small[1], small[1]))
-    panels[1, 0].add_patch(Rectangle(-small, *(2.0 * small), fill=False, edgecolor=FAINT, linewidth=0.7))
-    panels[1, 0].update_datalim([-1.5 * small])
-    panels[1, 0].margins(0.1)
+    _draw_forces(panels[1, 0], forces, 0, "c", "Thrust that the wake gives, over drag")
+    _draw_forces(panels[1, 1], forces, 1, "d", "Lift that the wake gives, over weight")
+    panels[1, 1].tick_params(labelleft=False)
     handles, labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=5)
     return figure
@@ -178,24 +182,22 @@ def _draw_side(axes: Axes, rows: list[pd.Series]) -> None:
     letter(axes, "b", "From the side, with the wingtips' paths")
 
 
-def _draw_forces(axes: Axes, forces: dict[str, np.ndarray], shown: tuple[str, ...], name: str) -> None:
-    axes.axhline(0.0, color=FAINT, linewidth=0.5)
-    axes.axvline(0.0, color=FAINT, linewidth=0.5)
-    for objective, of_states in forces.items():
-        look = OBJECTIVES[objective]
-        for state, (thrust, lift) in zip((*STATES, "m"), of_states, strict=True):
-            if state not in shown:
-                continue
-            line = ":" if state == "m" else look["linestyle"]
-            axes.plot([0.0, thrust], [0.0, lift], color=look["color"], linewidth=1.0, linestyle=line)
-            axes.plot(thrust, lift, **mark(objective, markersize=4), gid=f"force {objective} {state}")
-    # In the wide panel the small ones lie upon one another: they are named in the other.
-    for state in [state for state in shown if name == "d" or state in ("ud", "m")]:
-        points = np.array([of_states[(*STATES, "m").index(state)] for of_states in forces.values()])
-        for thrust, lift in points if name == "c" else [points.mean(axis=0)]:
-            axes.annotate(state, (thrust, lift), (0, 5), textcoords="offset points", ha="center", va="bottom")
-    axes.set(xlabel="thrust from the wake / D (right: forwards)", ylabel="lift from the wake / W")
-    letter(axes, name, "Force in each pair of states" if name == "c" else "The frame in c, larger")
+def _draw_forces(axes: Axes, forces: dict[str, np.ndarray], kind: int, name: str, title: str) -> None:
+    """Draw thrust (0) or lift (1) in each pair of states, one line a pair."""
+    axes.axvline(0.0, color=FAINT, linewidth=0.7)
+    axes.axhline(len(STATES) - 0.5, color=FAINT, linewidth=0.5)
+    lines = np.arange(len(STATES) + 1)
+    for number, (objective, of_states) in enumerate(forces.items()):
+        color = OBJECTIVES[objective]["color"]
+        at = lines + 0.26 * (number - (len(forces) - 1) / 2.0)
+        axes.hlines(at, 0.0, of_states[:, kind], color=color, linewidth=1.6)
+        axes.plot(of_states[:, kind], at, **mark(objective, markersize=5), gid=f"{KINDS[kind]} {objective}")
+        tell(axes.lines[-1], [f"{least(objective)}, {words}" for words in (*STATES.values(), MEAN)])
+    axes.set_yticks(lines, [words.replace(", ", ",\n") for words in (*STATES.values(), MEAN)])
+    axes.set_ylim(len(STATES) + 0.6, -0.6)
+    in_percent(axes.xaxis)
+    axes.set_xlabel(f"{KINDS[kind]} from the wake, over {('drag', 'weight')[kind]}")
+    letter(axes, name, title)
 
 
 PICTURE = Picture("optimal-position", "Where the follower should fly", CAPTION, describe, draw)
