@@ -20,7 +20,7 @@ MAY_IMPORT = {
     "species": {"aero", "columns", "errors", "shipped"},
     "jobs": {"aero", "columns", "errors", "kernel", "optimum"},
     "journey": {"aero", "columns", "errors", "optimum", "place", "species"},
-    "sweep": {"aero", "columns", "errors", "jobs", "optimum", "shipped", "species"},
+    "sweep": {"aero", "columns", "errors", "jobs", "journey", "optimum", "shipped", "species"},
     "batch": {"columns", "errors", "jobs", "shipped", "sweep"},
     "study": {
         "aero",

@@ -21,6 +21,7 @@ OF_THE_FILE_AND_OF_A_BLOCK = {
     "species": (IBIS, 'species = "mute-swan"', "", "species"),
     "objective": ('objective = "power"', 'objective = "force"', "", "objective"),
     "amplitude": ('amplitude = "strouhal"', 'amplitude = "stroke-angle"', "", "amplitude_convention"),
+    "speed": ('speed = "least-power"', 'speed = "least-transport"', "", "speed_m_s"),
     "seed": ("seed = 3", "seed = [4, 5]", "", "seed"),
     "tolerance": ("tolerance = 1e-3", "tolerance = 1e-5", "", "tolerance"),
     "grid": ("[grid]\nmass_kg = [1.1, 1.2]", "[block.grid]\nmass_kg = [1.4]", "", "mass_kg"),
@@ -354,6 +355,22 @@ n = 1
 )
 def test_every_key_is_found_on_its_line(path, line):
     assert line_of(path, key_lines(TOML)) == line
+
+
+class TestABestSpeed:
+    def test_is_the_lone_birds(self, jobs):
+        found = jobs(IBIS + 'objective = "power"\nspeed = ["own", "least-power", "least-transport"]\n')
+        assert values(found, "speed_m_s") == [
+            15.0,
+            pytest.approx(7.7259, abs=2e-4),
+            pytest.approx(15.13, abs=2e-4),
+        ]
+
+    def test_follows_from_the_inputs_as_they_are_set(self, jobs):
+        text = 'objective = "aerodynamic_power"\namplitude = "drag"\nspeed = "least-power"\n'
+        slim, blunt = jobs(IBIS + text + "[grid]\nbody_drag_coefficient = [0.2, 1]\n")
+        assert slim.bird.speed_m_s == pytest.approx(11.6, abs=0.05)
+        assert blunt.bird.speed_m_s == pytest.approx(8.45, abs=0.01)
 
 
 class TestAirAndDrag:

@@ -42,6 +42,8 @@ MALFORMED = [
     (IBIS + 'kind = "flock"\n[flock]\nshape = "wedge"\n', 4, "echelon"),
     (IBIS + 'kind = "flock"\n[flock]\nsize = 3\n', 4, "size"),
     (IBIS + "speed = 12\n", 2, "speed"),
+    (IBIS + 'speed = "least"\n', 2, "least-power"),
+    (IBIS + 'speed = "least-power"\n[fixed]\nspeed_m_s = 12\n', 4, "leave one out"),
     (IBIS + "grids = 3\n", 2, "did you mean 'grid'"),
     (IBIS + "fixed = 3\n", 2, "table"),
     (IBIS + "[fixed]\nmass = 3\n", 3, "did you mean 'mass_kg'"),

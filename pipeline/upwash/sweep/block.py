@@ -27,10 +27,11 @@ from upwash.sweep.choices import (
     MODEL,
     OF_THE_BIRD,
     PARTS,
+    SPEED,
     SPEED_OF,
     STROKE_ANGLE,
 )
-from upwash.sweep.speeds import FOLLOWERS, LEADERS
+from upwash.sweep.speeds import FOLLOWERS, LEADERS, OWN
 from upwash.sweep.values import Setting, unit_sample
 
 # Where a job's inputs are named otherwise than in a sweep file.
@@ -173,6 +174,7 @@ class Block:
         convention = choice["amplitude"]
         is_given = "amplitude_m" in point and not point["amplitude_m"].relative
         point = {**point, **_speed(species, choice, point)}
+        point = {**point, **_best_speed(species, choice, point)}
         bird = _bird(species, convention, point)
         kind = self.kind.from_inputs(choice | _companions(species, bird, convention, choice))
         try:
@@ -208,6 +210,38 @@ def _speed(species: Species, choice: Choice, point: Mapping[str, Setting]) -> Po
         )
     own, other = species.inputs()["speed_m_s"], leader.inputs()["speed_m_s"]
     return {"speed_m_s": Setting(other if of == LEADERS else 0.5 * (own + other))}
+
+
+def _best_speed(species: Species, choice: Choice, point: Mapping[str, Setting]) -> Point:
+    """Return the speed at which the lone bird spends least, if that is asked for.
+
+    It is told to a tenth of a millimetre a second, so that jobs have the same names on any machine.
+    """
+    from upwash.journey.line import Lines
+    from upwash.journey.speed import NoSpeed, SpeedSearch, speed_range
+
+    rule = choice.get(SPEED, OWN)
+    if rule == OWN:
+        return {}
+    if "speed_m_s" in point:
+        raise UpwashError(
+            f"{species.slug}, {SPEED}: expected either a choice of the speed or a speed, found {rule!r} and another "
+            "speed; leave one out",
+            field="speed_m_s",
+        )
+
+    def at(speed: float) -> Bird:
+        bird = _bird(species, choice["amplitude"], {**point, "speed_m_s": Setting(float(speed))})
+        if isinstance(bird, NoBird):
+            raise UpwashError(bird.why)
+        return bird
+
+    try:
+        lines = Lines(choice["objective"], WakeModel())
+        found = SpeedSearch(at, speed_range(at, UpwashError), lines, SearchSettings()).alone(rule)
+    except NoSpeed as error:
+        raise UpwashError(f"{species.slug}, {SPEED}: {error}", field=SPEED) from error
+    return {"speed_m_s": Setting(round(found.speed_m_s, 4))}
 
 
 def _companions(species: Species, bird: Bird | NoBird, convention: str, choice: Choice) -> dict[str, Any]:

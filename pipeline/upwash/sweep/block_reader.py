@@ -25,13 +25,14 @@ from upwash.sweep.choices import (
     NOT_TOLD,
     PARAMETERS,
     PHASE_LOCK,
+    SPEED,
     SPEED_OF,
     UNSCALED,
     WORDED,
     rule_of,
 )
 from upwash.sweep.entry import Entry
-from upwash.sweep.speeds import SPEEDS
+from upwash.sweep.speeds import CHOSEN, SPEEDS
 from upwash.sweep.values import MAX_POINTS, SAMPLERS, Setting, is_number, sampling_range, settings
 
 DEFAULTS: dict[str, Any] = {"objective": "force", "amplitude": "stroke-angle", "seed": 0, "tolerance": 1e-4}
@@ -50,6 +51,7 @@ def block_keys() -> tuple[str, ...]:
         LEADER,
         SPEED_OF,
         PHASE_LOCK,
+        SPEED,
         MODEL,
         "fixed",
         "grid",
@@ -172,6 +174,8 @@ class BlockReader:
             )
             raise keys[other].error(message)
         choices |= self.companions(keys)
+        if SPEED in keys:
+            choices[SPEED] = [entry.one_of(CHOSEN) for entry in keys[SPEED].each()]
         own = self.own_table(keys)
         if MEMBERS in own:
             choices[MEMBERS] = [[self.load(one) for one in own[MEMBERS].each()[1:]]]

@@ -16,6 +16,9 @@ LEADER, SPEED_OF, PHASE_LOCK, MEMBERS = "leader", "speed_of", "phase_lock", "mem
 """Keys of birds that need not be alike: the bird ahead in a pair, whose speed both fly at, whether they beat in step;
 and the birds of a flock."""
 
+SPEED = "speed"
+"""Key of the speed that a bird chooses: its own, or the lone bird's best."""
+
 MODEL = "model"
 """The parameter that names a model of the wake, of which others then are parts."""
 
