@@ -82,6 +82,10 @@ MISTAKES = {
         ["evaluate", "northern-bald-ibis", "table.csv", "--output", "."],
         ["'--output'", "'.' is a directory"],
     ),
+    "results of a name that cannot be": (
+        ["status", "x" * 300],
+        ["expected a results folder, found File name too long"],
+    ),
     "results that are a file": (["reproduce", "--results", "sweep.toml"], ["sweep.toml"]),
 }
 

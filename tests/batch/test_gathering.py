@@ -11,6 +11,8 @@ import pyarrow.parquet as pq
 import pytest
 from upwash.batch import gather
 from upwash.batch.folder import ResultsFolder, Shard, jobs_in, shard_of
+from upwash.batch.merging import JobFiles
+from upwash.batch.store import Damaged
 
 # A server that imports everything once and forks for each line: the command, which is killed at the n-th step of its
 # first gathering that changes the disk.
@@ -189,6 +191,19 @@ def test_what_failed_in_a_part_gives_way_to_what_is_solved_later(bench, few):
     assert bench.status()["solved"] == 40
     bench("aggregate", "results/sweep")
     assert bench.summary().column("status").to_pylist() == ["solved"] * 40
+
+
+def test_a_file_that_is_torn_or_gone_is_passed_over_unless_all_are_needed(bench):
+    bench.sweep("two_optima", 3)
+    bench.run()
+    folder, (whole, torn, gone) = ResultsFolder(bench.results), bench.job_files()
+    torn.write_bytes(torn.read_bytes()[:100])
+    gone.unlink()
+    ids = [path.stem for path in (whole, torn, gone)]
+    rows = JobFiles(folder, ids, folder.schema()).below(None)
+    assert rows.column("job_id").unique().to_pylist() == [whole.stem]
+    with pytest.raises(Damaged):
+        JobFiles(folder, ids, folder.schema(), strict=True).below(None)
 
 
 def test_a_shard_gathers_what_is_its_own(bench, few, undisturbed):

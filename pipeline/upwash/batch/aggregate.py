@@ -62,7 +62,7 @@ def _write_tables(folder: ResultsFolder, plan: Plan, ids: list[str]) -> None:
     schema, named = plan.rows, pa.array(plan.jobs, pa.string())
     current_path, retired_path = folder.path / plan.kind.file, folder.path / RETIRED
     with ExitStack() as files, ExitStack() as finished:
-        sources = sources_of(files, folder, schema, strict=True)
+        sources = sources_of(files, folder, schema)
         were_retired = set(sources[-1].ids()) if retired_path.exists() else set()
         has_retired = bool(were_retired) or not set(ids) <= set(plan.jobs)
         # What is named again stays among the retired rows, too, so that it is in a file at every moment.

@@ -149,7 +149,7 @@ def _write(out: ResultsFolder, parts: Sequence[ResultsFolder], plan: Plan) -> Me
         sources = []
         for part in parts:
             with _whole(part):
-                sources.append(Several(sources_of(files, part, schema, strict=True)))
+                sources.append(Several(sources_of(files, part, schema)))
                 by_folder[str(part)] = len(set(sources[-1].ids()))
         ids = sorted({job_id for source in sources for job_id in source.ids()})
         path = out.new_part(len(ids), Shard())

@@ -80,12 +80,10 @@ def _failed_jobs(table: pa.Table) -> pa.Array:
     return failed.column("job_id").unique()
 
 
-def sources_of(
-    stack: ExitStack, folder: ResultsFolder, schema: pa.Schema, strict: bool = False
-) -> list[JobFiles | Table]:
-    """Return all that a folder's rows are in, the newest first; the stack keeps files open."""
+def sources_of(stack: ExitStack, folder: ResultsFolder, schema: pa.Schema) -> list[JobFiles | Table]:
+    """Return all that a folder's rows are in, none of it damaged, the newest first; the stack keeps files open."""
     tables = (Table(stack, path, schema) for path in table_files(folder))
-    return [JobFiles(folder, folder.job_ids(), schema, strict), *tables]
+    return [JobFiles(folder, folder.job_ids(), schema, strict=True), *tables]
 
 
 class Several:
