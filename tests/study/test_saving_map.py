@@ -2,6 +2,7 @@
 
 import builtins
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -142,10 +143,12 @@ def test_what_does_not_fit_is_one_line(plane, options, words):
     assert words in str(error.value) and "\n" not in str(error.value)
 
 
-def test_without_a_v_optimum_a_plane_needs_a_value():
+def test_without_a_v_optimum_a_plane_needs_a_value(monkeypatch):
+    none = SimpleNamespace(v_optimum=None)
+    monkeypatch.setattr("upwash.study.saving_map.solve_pair", lambda *given, **named: none)
     with pytest.raises(UpwashError, match="y_m: expected a value, as there is no V optimum"):
-        map_savings(IBIS, "xz", size=2, model=LIMIT, objective="force")
-    found = map_savings(IBIS, "xz", size=2, model=LIMIT, objective="force", held={"y": 1.1})
+        map_savings(IBIS, "xz", size=2)
+    found = map_savings(IBIS, "xz", size=2, held={"y": 1.1})
     assert found.optimum is None and not found.shows_optimum()
 
 
