@@ -32,6 +32,19 @@ FILES = {
 
 # Arguments of the command, and what its one line must name.
 MISTAKES = {
+    **{
+        f"a limit that {command[0]} does not keep": (
+            [*command, "--set", "x_min_m=1.5"],
+            ["no limit on the follower's place", f"upwash {command[0]}", "x_min_m"],
+        )
+        for command in (
+            ["map", "northern-bald-ibis"],
+            ["robust", "northern-bald-ibis"],
+            ["phase", "northern-bald-ibis"],
+            ["explore", "northern-bald-ibis"],
+            ["evaluate", "northern-bald-ibis", "table.csv"],
+        )
+    },
     "a missing field": (["optimum", "./no-mass.toml"], ["no-mass.toml", "mas"]),
     "a negative mass": (["optimum", "./negative.toml"], ["negative.toml", "mass", "-1.3"]),
     "a NaN": (["optimum", "./nan.toml"], ["nan.toml", "speed", "nan"]),

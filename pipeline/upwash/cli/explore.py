@@ -77,9 +77,10 @@ def explore(
     from upwash.report.explorer.page import write_explorer
     from upwash.report.explorer.places import read_observed
     from upwash.species import load_species
-    from upwash.sweep.single import single_job
+    from upwash.sweep.single import need_no_limits, single_job
 
     job = single_job(Pair, species, settings, amplitude, model, objective=objective, seed=0, tolerance=1e-4)
+    need_no_limits(job, "explore")
     assert isinstance(job.bird, Bird)  # otherwise `single_job` has complained
     wake = job.model
     start = replace(WakeModel.named(model), core_radius_ratio=wake.core_radius_ratio, span_law=wake.span_law)

@@ -183,7 +183,7 @@ def _asked(chosen: dict[str, Any]) -> Asked:
     from upwash.study.observed.evaluation import Asked
     from upwash.study.observed.table import Reading
     from upwash.sweep.choices import OF_THE_BIRD
-    from upwash.sweep.single import settings_of, single_job
+    from upwash.sweep.single import need_no_limits, settings_of, single_job
 
     asked = {
         name: chosen[name]
@@ -209,6 +209,7 @@ def _asked(chosen: dict[str, Any]) -> Asked:
         seed=0,
         tolerance=1e-2,
     )
+    need_no_limits(job, "evaluate")
     fixed = {name: one.value for name, one in settings_of(chosen["settings"]).items() if name in OF_THE_BIRD}
     reading = Reading(
         _renamed(chosen["columns"]), chosen["phase_unit"], chosen["phase_sign"], chosen["phase_at"]

@@ -41,7 +41,7 @@ def phase(show_all: bool, csv_output: bool, json_output: bool, **chosen: Any) ->
     from upwash.jobs.pair import Pair
     from upwash.report.phase_answer import phase_answer
     from upwash.study.phase_rule import phase_rules
-    from upwash.sweep.single import jobs_within_ranges
+    from upwash.sweep.single import jobs_within_ranges, need_no_limits
 
     if csv_output and json_output:
         raise UpwashError("--csv and --json: expected one of them, found both; leave one out")
@@ -55,6 +55,7 @@ def phase(show_all: bool, csv_output: bool, json_output: bool, **chosen: Any) ->
         jobs = [
             job for job in jobs if f"span_law={job.model.span_law}" in "".join(settings).replace(" ", "")
         ] or jobs[-1:]
+    need_no_limits(jobs[0], "phase")
     bird = jobs[0].bird
     if not isinstance(bird, Bird):
         raise UpwashError(

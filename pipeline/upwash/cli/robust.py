@@ -55,13 +55,14 @@ def robust(
     from upwash.report.robust_answer import robust_answer
     from upwash.report.table import Table
     from upwash.study.robustness import robustness
-    from upwash.sweep.single import single_job
+    from upwash.sweep.single import need_no_limits, single_job
 
     if csv_output and json_output:
         raise UpwashError("--csv and --json: expected one of them, found both; leave one out")
     if sigma is not None and sigma_m is not None:
         raise UpwashError("--sigma and --sigma-m: expected one of them, found both; leave one out")
     job = single_job(Pair, **chosen)
+    need_no_limits(job, "robust")
     # A single job that makes no bird is refused.
     assert isinstance(job.bird, Bird)
     b = job.bird.semispan_m

@@ -105,11 +105,12 @@ def map(
     from upwash.report.table import Table
     from upwash.study.observed.file import read_places
     from upwash.study.saving_map import map_savings
-    from upwash.sweep.single import single_job
+    from upwash.sweep.single import need_no_limits, single_job
 
     if as_csv and json_output:
         raise UpwashError("--csv, --json: expected one of them, found both; leave one out")
     job = single_job(Pair, **chosen)
+    need_no_limits(job, "map")
     assert isinstance(job.bird, Bird)  # otherwise `single_job` has complained
     held, ranges = _told({"x": x_m, "y": y_m, "z": z_m, "phase": phase})
     seen = read_places(observed, job.species, job.bird) if observed else None

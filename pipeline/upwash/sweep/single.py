@@ -140,6 +140,21 @@ def changing_bird(
     return Changing(job, block.species[0], amplitude, block.fixed)
 
 
+def need_no_limits(job: Job, command: str) -> None:
+    """Refuse limits on the follower's place where a command would not keep them.
+
+    Raises
+    ------
+    UpwashError
+        If the job has some.
+    """
+    if found := ", ".join(job.spacing.names):
+        raise UpwashError(
+            f"--set: expected no limit on the follower's place, as upwash {command} keeps none, found {found}; "
+            "leave it out, or see `upwash optimum`"
+        )
+
+
 def jobs_within_ranges(count: int, points_seed: int, **asked: Any) -> dict[str, list[Job]]:
     """Make the jobs of a bird whose inputs are sampled from its species' own ranges, by both span laws.
 
