@@ -22,6 +22,7 @@ def run(tmp_path, monkeypatch):
     return lambda *options: CliRunner().invoke(main, ["map", IBIS, *options])
 
 
+@pytest.mark.thorough
 def test_every_output_tells_the_same_places(run, tmp_path):
     result = run(*SMALL, "--csv", "--observed", "seen.csv")
     assert result.exit_code == 0, result.stderr

@@ -88,6 +88,7 @@ def test_the_distance_asked_for_changes_the_phase_alone():
     assert abreast.v_optimum is None
 
 
+@pytest.mark.thorough
 def test_the_same_optima_are_found_from_any_starts():
     problem, found = EndlessProblem(IBIS, "power", model=TIP), []
     for seed in range(4):
@@ -99,6 +100,7 @@ def test_the_same_optima_are_found_from_any_starts():
         assert basin.point == pytest.approx(found[0].point, abs=1e-5)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("model", [LIMIT, TIP], ids=["stroke", "tip"])
 def test_the_least_power_has_converged_in_the_steps_to_a_thousandth_of_the_saving(model):
     savings = []
