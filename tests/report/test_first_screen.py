@@ -119,6 +119,18 @@ class TestFirstScreen:
         assert "no V optimum of least force" in " ".join(page.seen(".lead"))
         assert "no best place in a V" in page.seen("#scene-label")[0]
 
+    def test_birds_and_their_names_are_within_the_picture(self, page):
+        for cost in COSTS:
+            for model in MODELS:
+                page.choose(cost, model)
+                inside = page.run(
+                    "(() => { const all = document.getElementById('scene').getBoundingClientRect();"
+                    " return Array.from(document.querySelectorAll('#scene text, #scene use'),"
+                    " (one) => one.getBoundingClientRect()).every((box) => box.top >= all.top - 1"
+                    " && box.bottom <= all.bottom + 1 && box.left >= all.left - 1 && box.right <= all.right + 1); })()"
+                )
+                assert inside, (cost, model)
+
     def test_a_place_straight_behind_is_said_to_lack_a_bodys_wake(self, page):
         assert straight_behind({"y_m": 0.026, "semispan_m": 0.6})
         assert not straight_behind({"y_m": 0.3196, "semispan_m": 0.6})
@@ -159,6 +171,13 @@ class TestSwitches:
                     f" || !(one.dataset.models ?? '{model}').split(' ').includes('{model}')).length"
                 )
                 assert wrong == 0
+
+    def test_nothing_that_unfolds_is_empty(self, page):
+        page.run("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+        for model in MODELS:
+            page.choose("power", model)
+            texts = page.seen("details.more")
+            assert texts and all(len(text) > 100 for text in texts)
 
     def test_figures_change_with_the_cost_and_say_of_which_they_are(self, page):
         names = "Array.from(document.querySelectorAll('main > section > figure .stage'))"

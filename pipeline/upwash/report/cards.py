@@ -57,7 +57,9 @@ def claims_shown(
                 [_card(row, "") for row in in_paper.to_dict("records")],
             ),
             _group(
-                LIMIT, "more fail in the limit", [_card(row, "limit_") for row in lost.to_dict("records")]
+                LIMIT,
+                "fail in the limit, though not in the paper's own model",
+                [_card(row, "limit_") for row in lost.to_dict("records")],
             ),
         ],
         "holds": int((ledger["verdict"] == HOLDS).sum()),

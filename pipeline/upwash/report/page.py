@@ -204,9 +204,20 @@ def _chapter(
         "shown": at_once,
         "folded": folded,
         "tables": tables,
+        "more": _settings([*folded, *tables]),
         "is_there": bool(at_once or folded),
         "needs": chapter.needs,
         "remedy": chapter.remedy(command),
+    }
+
+
+def _settings(parts: list[dict[str, Any]]) -> dict[str, tuple[str, ...]]:
+    """Return the settings of the switches for which there is any of some parts; all, if a part is for all."""
+    return {
+        name: ()
+        if any(not one[name] for one in parts)
+        else tuple(sorted({v for one in parts for v in one[name]}))
+        for name in ("costs", "models")
     }
 
 

@@ -43,7 +43,8 @@
     for (const bird of birds) bird.paths = ["down", "up"].map((kind) => make("path", { class: `ring ${kind}${bird.x > 0 ? " faint" : ""}` }));
     for (const bird of birds) bird.body = make("use", { href: "#bird", class: bird.look });
     for (const bird of birds.filter((one) => one.name)) {
-      make("text", { x: bird.x * B - 45, y: bird.y * B + (bird.x > 0 ? -112 : -122), "text-anchor": "middle" }).textContent = bird.name;
+      const above = Math.max(bird.y * B + (bird.x > 0 ? -112 : -122), -270);
+      make("text", { x: bird.x * B - 45, y: above, "text-anchor": "middle" }).textContent = bird.name;
     }
     const metre = scene.metre * B;
     make("path", { class: "scale", d: `M-70,265h${metre.toFixed(1)}m0,-7v14m${-metre.toFixed(1)},-14v14` });
