@@ -115,9 +115,13 @@ def long_wakes_table(bird: Bird) -> Table:
     return Table("", frame, dict.fromkeys(frame.columns[1:], ".2f") | {"x/λ": ".2f"})
 
 
-def refinement_table(rows: pd.DataFrame) -> Table:
-    """Return the best place of all and the best V of each job of least power, the coarsest first."""
-    rows = rows[rows["objective"] == "power"].sort_values(
+def refinement_table(rows: pd.DataFrame, objective: str) -> Table:
+    """Return the best place of all and the best V of each job of one objective, the coarsest first.
+
+    What is saved is a share of the cost: of power, or of force.
+    """
+    rows = rows.assign(saving=1.0 - rows["cost"] / rows["cost_leader"])
+    rows = rows[rows["objective"] == objective].sort_values(
         ["wavelengths", "stroke_states", "stroke_rule", "span_nodes", "span_law", "rank"],
         key=lambda column: column.map({"held": 0, "gauss": 1}) if column.name == "stroke_rule" else column,
     )
@@ -130,13 +134,14 @@ def refinement_table(rows: pd.DataFrame) -> Table:
             "wake, λ": length,
             "states": f"{best['stroke_states']:.0f} {best['stroke_rule']}, {best['span_law']}",
             "points": points,
-            "best saves %": 100.0 * best["saving_total"],
+            "best saves %": 100.0 * best["saving"],
             "at x/λ, y/b, z/h": _place(best),
         }
         if len(in_v):
-            line |= {"V saves %": 100.0 * in_v.iloc[0]["saving_total"], "V at": _place(in_v.iloc[0])}
+            line |= {"V saves %": 100.0 * in_v.iloc[0]["saving"], "V at": _place(in_v.iloc[0])}
         lines.append(line)
-    return Table("", pd.DataFrame(lines), {"best saves %": ".1f", "V saves %": ".1f"})
+    digits = ".1f" if objective == "power" else ".2f"
+    return Table("", pd.DataFrame(lines), {"best saves %": digits, "V saves %": digits})
 
 
 def _place(row: pd.Series) -> str:
@@ -165,7 +170,9 @@ def main(results: str | None = None) -> None:
     text = PAGE.read_text(encoding="utf-8")
     found = tables(load_species("northern-bald-ibis").bird())
     if results:
-        found["refinement"] = refinement_table(pd.read_parquet(Path(results) / "solutions.parquet"))
+        rows = pd.read_parquet(Path(results) / "solutions.parquet")
+        found["refinement"] = refinement_table(rows, "power")
+        found["refinement-force"] = refinement_table(rows, "force")
     for name, table in found.items():
         body = table.markdown().partition("\n\n")[2]
         text, count = between(name).subn(lambda _, body=body: f"\n{body}\n\n", text)

@@ -155,10 +155,36 @@ class WakeModel:
         >>> WakeModel.named("limit").resolving(20.0).stroke_states
         98
         """
+        needed = self._needed(wavelength_ratio)
+        return self if needed <= self.stroke_states else replace(self, stroke_states=needed)
+
+    def _needed(self, wavelength_ratio: float) -> int:
         needed = math.ceil(wavelength_ratio / (STEP_IN_CORES * self.core_radius_ratio))
-        if not self.is_endless or needed <= self.stroke_states:
-            return self
-        return replace(self, stroke_states=needed + needed % 2)
+        return needed + needed % 2 if self.is_endless else 0
+
+    def coarseness(self, wavelength_ratio: float) -> str:
+        """Say what it costs that the model has fewer steps than a wavelength needs; "" if it has enough.
+
+        Parameters
+        ----------
+        wavelength_ratio : float
+            Wavelength over semispan.
+
+        Examples
+        --------
+        >>> WakeModel.named("limit").coarseness(6.25)
+        ''
+        >>> WakeModel(stroke_states=16, wavelengths=math.inf).coarseness(6.25)[:49]
+        'stroke_states: each of 16 steps carries the wing '
+        """
+        needed = self._needed(wavelength_ratio)
+        if needed <= self.stroke_states:
+            return ""
+        cores = wavelength_ratio / (self.stroke_states * self.core_radius_ratio)
+        return (
+            f"stroke_states: each of {self.stroke_states} steps carries the wing {cores:.1f} core radii along the "
+            f"wake, and forces may be wrong by several per cent; {needed} would tell them to about one"
+        )
 
     def name(self, wavelength_ratio: float) -> str:
         """Return the name of the model, ``given`` if it has none; a named one has the steps that a wavelength needs.

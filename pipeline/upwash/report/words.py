@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from upwash import columns as of
 from upwash.aero.wake import NAMES
 from upwash.species.library import LIBRARY_FOLDER, load_species
+from upwash.study.rows import model_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -76,6 +77,8 @@ def model_in_words(row: Mapping[str, Any] | pd.Series) -> list[str]:
     ]
     lines = [f"wake: {name}: {', '.join(parts)}"]
     if row["wavelengths"] == inf:
+        if line := model_of(row).coarseness(row["speed_m_s"] * row["period_s"] / row["semispan_m"]):
+            lines.append(line)
         other = "tip" if row["span_law"] == "stroke" else "stroke"
         lines.append(
             f"by the other law of the span (--set span_law={other}) other places and savings are found"

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import itertools
 import json
+import logging
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cache
 from typing import Any
 
 from upwash.aero.bird import Bird
@@ -33,6 +35,8 @@ from upwash.sweep.choices import (
 )
 from upwash.sweep.speeds import FOLLOWERS, LEADERS, OWN
 from upwash.sweep.values import Setting, unit_sample
+
+LOGGER = logging.getLogger(__name__)
 
 # Where a job's inputs are named otherwise than in a sweep file.
 COLUMN = {"amplitude": "amplitude_convention", LEADER: "ahead_species", **BIRD_COLUMNS}
@@ -272,7 +276,16 @@ def _companions(species: Species, bird: Bird | NoBird, convention: str, choice: 
 def _model(wavelength_ratio: float, point: Mapping[str, Setting]) -> WakeModel:
     """Return the model of the wake with the steps that its core and the wavelength need, unless they are set."""
     model = model_of(point)
-    return model if "stroke_states" in point else model.resolving(wavelength_ratio)
+    if "stroke_states" not in point:
+        return model.resolving(wavelength_ratio)
+    if line := model.coarseness(wavelength_ratio):
+        _tell_once(line)
+    return model
+
+
+@cache
+def _tell_once(line: str) -> None:
+    LOGGER.warning(line)
 
 
 def model_of(point: Mapping[str, Setting]) -> WakeModel:
