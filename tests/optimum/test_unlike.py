@@ -3,13 +3,26 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
-from upwash import FlockRules, Pose, Stroke, WakeModel, load_species, solve_flock, solve_pair, wake_force
+from upwash import (
+    FlockRules,
+    Pose,
+    Stroke,
+    WakeModel,
+    evaluate,
+    load_species,
+    solve_flock,
+    solve_pair,
+    wake_force,
+)
+from upwash.errors import UpwashError
 from upwash.optimum.certify import certify
 from upwash.optimum.endless.problem import EndlessProblem
 from upwash.optimum.endless.solve import certify_endless
 from upwash.optimum.problem import PairProblem
 from upwash.optimum.proof import is_proved
+from upwash.optimum.record import record
 from upwash.optimum.search import Search
 from upwash.optimum.settings import SearchSettings
 from upwash.optimum.solution import record_in
@@ -146,8 +159,6 @@ def test_in_step_the_follower_beats_in_its_leaders_period(ibis):
 
 
 def record_in_alone(ibis):
-    from upwash.optimum.record import record
-
     return record(ibis, "power", None, None, WakeModel()).power_total_w
 
 
@@ -197,3 +208,23 @@ def test_a_proof_does_not_close_above_what_is_reached(follower, leader, model):
     # With the threshold above the lone bird's cost there are followers that reach it.
     proof = prove(problem, problem.bounds, 1.2, 1e-3, 4000)
     assert not proof.is_closed
+
+
+@pytest.mark.parametrize("lock", [True, False])
+@pytest.mark.parametrize("model", MODELS)
+def test_what_is_evaluated_behind_another_bird_balances_as_it_is_stated(model, lock):
+    goose, phase = bird(2.0, 0.7, 0.24), 1.2 / LARGE.wavelength_m
+    seen = pd.DataFrame({"x_m": [1.2], "y_m": [1.6], "z_m": [0.0], "phase": [phase]})
+    told = evaluate(goose, seen, model=model, leader=LARGE, phase_lock=lock, finds_optimum=False).iloc[0]
+    assert told["outcome"] in ("saves", "pays")
+    pose = Pose(1.2, 1.6, 0.0, Stroke(told["amplitude_m"], told["upstroke_span_ratio"]), phase)
+    found = record(goose, "power", LARGE.stroke, pose, model, leader=LARGE, phase_lock=lock)
+    assert max(abs(found.residual_lift), abs(found.residual_thrust)) < 1e-9
+    assert told["saving_total"] == pytest.approx(found.saving_total, abs=1e-12)
+    assert np.isnan(told["phase"]) == (not lock)
+
+
+def test_birds_that_follow_one_another_are_alike_in_a_table_of_all(ibis):
+    seen = pd.DataFrame({"time": [0.0, 0.0], "bird": ["a", "b"], "x_m": [0.0, 1.2], "y_m": [0.0, 0.9]})
+    with pytest.raises(UpwashError, match="--pairs: expected birds that are alike"):
+        evaluate(ibis, seen, pairs=True, leader=LARGE)

@@ -11,7 +11,7 @@ import click
 
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.cli.printing import as_json
-from upwash.cli.solve import amplitude_option, settings_option
+from upwash.cli.solve import amplitude_option, phase_lock_option, settings_option
 from upwash.cli.streams import at_work
 from upwash.optimum.settings import WAKES
 from upwash.place.choices import BOUNDS
@@ -68,6 +68,12 @@ if TYPE_CHECKING:
     type=click.Choice(list(PHASE_STARTS)),
     help="The phase is the follower's own, counted from there, when its leader begins its downstroke.",
 )
+@click.option(
+    "--leader",
+    metavar="SPECIES",
+    help="The bird ahead, if it is another; it flies at the follower's speed, in its air.",
+)
+@phase_lock_option
 @click.option("--pairs", is_flag=True, help="TABLE holds the positions of all birds at each time.")
 @click.option(
     "--wake",
@@ -197,8 +203,10 @@ def _asked(chosen: dict[str, Any]) -> Asked:
             "sigma_m",
             "sigma_phase",
             "amplitude",
+            "phase_lock",
         )
     }
+    leader = load_species(chosen["leader"]) if chosen["leader"] else None
     job = single_job(
         Pair,
         chosen["species"],
@@ -208,13 +216,16 @@ def _asked(chosen: dict[str, Any]) -> Asked:
         objective=chosen["objective"],
         seed=0,
         tolerance=1e-2,
+        leader=chosen["leader"],
     )
     need_no_limits(job, "evaluate")
     fixed = {name: one.value for name, one in settings_of(chosen["settings"]).items() if name in OF_THE_BIRD}
     reading = Reading(
         _renamed(chosen["columns"]), chosen["phase_unit"], chosen["phase_sign"], chosen["phase_at"]
     )
-    return Asked(load_species(chosen["species"]), job.model, reading=reading, fixed=fixed, **asked)
+    return Asked(
+        load_species(chosen["species"]), job.model, reading=reading, fixed=fixed, leader=leader, **asked
+    )
 
 
 def _renamed(texts: tuple[str, ...]) -> dict[str, str]:

@@ -88,16 +88,20 @@ class Behind:
     Parameters
     ----------
     bird : Bird
-        The bird: it sets weight, drag, circulation, wavelength and semispan for all.
+        The follower, as it flies alone.
     objective : str
         Name of a cost function.
     ahead : Stroke, optional
-        How the birds ahead flap; as the bird does alone if not given.
+        How the birds ahead flap; as they do alone if not given.
     model : WakeModel, optional
         The wake: one that ends and is felt in points by birds that are held in states, or an endless one that is felt
         on the whole span.
     bounds : str
         Within which the stroke is sought, one of `BOUNDS`.
+    leader : Bird, optional
+        The birds ahead; like the follower if not given.
+    phase_lock : bool
+        Whether all beat in step; else phases are averaged over, and a place has none (see `felt_places`).
 
     Raises
     ------
@@ -120,15 +124,29 @@ class Behind:
         ahead: Stroke | None = None,
         model: WakeModel | None = None,
         bounds: str = "wide",
+        leader: Bird | None = None,
+        phase_lock: bool = True,
     ) -> None:
         if bounds not in BOUNDS:
             raise ValueError(f"bounds: expected one of {', '.join(BOUNDS)}, found {bounds!r}")
         model = model or WakeModel()
         kind = EndlessProblem if model.is_endless else PairProblem
-        problem = kind(bird, objective, ahead, model=model)  # type: ignore[arg-type]
+
+        def posed(objective: str) -> PairProblem:
+            return kind(
+                bird,
+                objective,
+                ahead,  # type: ignore[arg-type]
+                model=model,
+                leader=leader,  # type: ignore[arg-type]
+                phase_lock=phase_lock,
+            )
+
+        problem = posed(objective)
         self.bird, self.objective, self.ahead, self.model = bird, objective, problem.ahead, model
-        self.leader_cost = problem.leader_cost
-        power = problem if objective == "power" else kind(bird, "power", ahead, model=model)  # type: ignore[arg-type]
+        self.leader, self.phase_lock = problem.leader, phase_lock
+        self.amplitude_limit_m, self.leader_cost = problem.amplitude_limit_m, problem.leader_cost
+        power = problem if objective == "power" else posed("power")
         self.felt = felt_of(problem, power)
         self.bounds = _stroke_bounds(problem, bounds)
         self._rooms: dict[int, Room] = {}
@@ -143,11 +161,21 @@ class Behind:
         """
         found, missing = np.empty((MOST_BALANCES, 3)), np.empty(2)
         room = self.room(len(places))
-        settle(self.scaled(places), self.felt, room)
+        settle(self.felt_places(self.scaled(places)), self.felt, room)
         count = find_balances(self.bounds, self.felt, room, found, missing)
         b = self.bird.semispan_m
         strokes = tuple(Balance(Stroke(h * b, ratio), cost) for h, ratio, cost in found[:count].tolist())
         return Balances(strokes, MISSING.get(int(missing[0]), ""), float(missing[1]))
+
+    def felt_places(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return places (x, y, z, phase) as they are felt: where phases are averaged, at none and at no distance."""
+        if self.phase_lock:
+            return places
+        found = places.copy()
+        found[:, 3] = 0.0
+        if self.model.is_endless:
+            found[:, 0] = 0.0
+        return found
 
     def scaled(self, places: Sequence[tuple[float, float, float, float]]) -> NDArray[np.float64]:
         """Return places in semispans."""
@@ -174,7 +202,7 @@ def felt_of(problem: PairProblem, power: PairProblem) -> Felt:
         power.constants,
         lanes,
         states,
-        problem.model.stroke_states,
+        problem.model.stroke_states if problem.phase_lock else 1,
         wake,
     )
 
@@ -187,6 +215,9 @@ _NO_WAKE = EndlessWake(
 def _lanes_of(problem: PairProblem) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return lanes of whole strength, and the states of the bird ahead and of the follower in each."""
     count = problem.model.stroke_states
+    if not problem.phase_lock:
+        # Every two states last together for the same share of time: as one state that lasts for all of it.
+        return problem.lanes, np.zeros((2, problem.lanes.shape[1]), np.int64)
     lanes = problem.lanes_weighed(np.ones((count, count)), np.zeros((count, count)))
     ahead = problem.wake().state
     per_state = lanes.shape[1] // count
@@ -195,7 +226,8 @@ def _lanes_of(problem: PairProblem) -> tuple[NDArray[np.float64], NDArray[np.int
 
 
 def _stroke_bounds(problem: PairProblem, bounds: str) -> StrokeBounds:
-    core, thin = problem.model.core_radius_ratio, THIN_CORE_ON_SPAN if problem.model.is_endless else THIN_CORE
+    core = problem.model.core_radius_ratio * (problem.leader.semispan_m / problem.bird.semispan_m)
+    thin = THIN_CORE_ON_SPAN if problem.model.is_endless else THIN_CORE
     ranges = *WIDE_AMPLITUDE, *WIDE_SPAN_RATIO
     if bounds == "paper":
         ranges = *problem.bounds[3].tolist(), *problem.bounds[4].tolist()

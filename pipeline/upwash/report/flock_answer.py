@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -48,9 +49,17 @@ def flock_answer(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> str:
         Those of the chain that it was improved from as a whole.
     """
     parts = [birds_table(rows, chain).text()]
-    if (rows["status"] == of.SOLVED).sum() > 1:
+    # Birds of several kinds do not take turns.
+    if (rows["status"] == of.SOLVED).sum() > 1 and not _kinds(rows.iloc[0]):
         parts.append(turns_table(rows).text())
     return "\n\n".join(parts)
+
+
+def _kinds(row: Any) -> list[str]:
+    """Return the species of all birds from the front, if they are not alike."""
+    members = row["members"]
+    behind = json.loads(members) if isinstance(members, str) else []
+    return [row["species"], *(one["species"] for one in behind)] if behind else []
 
 
 def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
@@ -68,6 +77,9 @@ def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
     place, formats = shown(placed, OF_A_BIRD)
     savings, more = shown(placed, SAVINGS)
     columns = {**place, "cost %": cost, **savings}
+    if kinds := _kinds(first):
+        own = pd.Series([kinds[bird - 1] for bird in placed["bird"]], index=placed.index)
+        columns = {"bird": columns.pop("bird"), "species": own, **columns}
     formats |= {"cost %": ".2f", **more}
     notes = []
     if chain is None:
@@ -85,6 +97,10 @@ def birds_table(rows: pd.DataFrame, chain: pd.DataFrame | None = None) -> Table:
             notes.append(f"bird {row['bird']}: {row['error']}")
     words = f"{first['species']}, {first['shape']}, {least(first['objective'])}"
     title = f"{words}; {WAKES[first['wake']]}, {length_of_wake(first)}; {READINGS[first['reading']]}"
+    if not first["phase_lock"]:
+        notes.append("each in its own beat: forces are averaged over all phases")
+    if _kinds(first):
+        notes.append("cost and savings are shares of what each bird spends alone at that speed")
     notes += model_in_words(first)
     return Table(title, pd.DataFrame(columns), formats, tuple(notes))
 
@@ -116,15 +132,16 @@ def flock_record(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     -------
     dict
         The job's inputs by column, under ``flock`` the other columns of each bird, and under ``turns`` what
-        taking turns brings, by size.
+        taking turns brings, by size, if they are alike.
     """
     rows = [of.told(row) for row in rows]
     shared = {"job_id", "flock_id", *INPUTS}
-    savings = [row["saving_total"] for row in rows if row["status"] == of.SOLVED]
+    is_alike = not _kinds(rows[0])
+    savings = [row["saving_total"] for row in rows if row["status"] == of.SOLVED and is_alike]
     return {
         **{name: rows[0][name] for name in ("job_id", *INPUTS)},
         "flock": [{name: value for name, value in row.items() if name not in shared} for row in rows],
-        "turns": [vars(turn) for turn in take_turns(savings)],
+        "turns": [vars(turn) for turn in take_turns(savings)] if savings else [],
     }
 
 

@@ -36,6 +36,11 @@ def is_endless(row: Row) -> bool:
     return bool(row["wavelengths"] == inf)
 
 
+def has_other(row: Row) -> bool:
+    """Whether the leader of a row is of another kind than its follower."""
+    return isinstance(row["ahead_species"], str)
+
+
 # What an optimum is described by: words, unit, how the value follows from its row, and whether in short too.
 DESCRIPTION: tuple[tuple[str, str, Callable[[Row], Any], bool], ...] = (
     ("x, downstream of the leader", "m", lambda row: row["x_m"], True),
@@ -45,7 +50,8 @@ DESCRIPTION: tuple[tuple[str, str, Callable[[Row], Any], bool], ...] = (
     ("z, above it", "m", lambda row: row["z_m"], True),
     ("", "amplitudes h_L", lambda row: row["z_amplitudes"], False),
     ("h, tip-to-tip amplitude", "m", lambda row: row["amplitude_m"], True),
-    ("", "amplitudes h_L", lambda row: 1.0 - row["amplitude_reduction"], False),
+    ("", "amplitudes h_L", lambda row: None if has_other(row) else 1.0 - row["amplitude_reduction"], False),
+    ("", "of its own alone", lambda row: 1.0 - row["amplitude_reduction"] if has_other(row) else None, False),
     ("R, upstroke span ratio", "", lambda row: row["upstroke_span_ratio"], True),
     ("κ, phase", "", lambda row: row["phase"], True),
     ("Φ, spatial phase x/λ − κ", "", lambda row: row["spatial_phase"] if is_endless(row) else None, False),
@@ -181,24 +187,42 @@ def by_objective(solutions: pd.DataFrame) -> dict[str, pd.DataFrame]:
     return {name: rows for name, rows in parts.items() if len(rows)}
 
 
-def leader(row: Row) -> tuple[str, str]:
-    """Describe the bird ahead on two lines: its lengths and stroke; its forces and power."""
-    lengths = {
-        "semispan b": (row["semispan_m"], "m"),
-        "wavelength λ": (row["speed_m_s"] * row["period_s"], "m"),
-        "amplitude h_L": (row["leader_amplitude_m"], "m"),
-        "upstroke span ratio R_L": (row["leader_upstroke_span_ratio"], ""),
-    }
+def leader(row: Row) -> tuple[str, ...]:
+    """Describe the bird ahead on two lines: its lengths and stroke; its forces and power.
+
+    A leader of another kind has a line of its own below those of the lone follower, whom savings are told of.
+    """
+    is_other = has_other(row)
     forces = {
         "weight": (row["weight_n"], "N"),
         "drag": (row["drag_n"], "N"),
         "total power": (row["leader_power_total_w"], "W"),
     }
-    first, second = (
-        ", ".join(f"{name} {value:#.4g} {unit}".rstrip() for name, (value, unit) in part.items())
-        for part in (lengths, forces)
-    )
-    return f"leader: {first};", f"        {second}"
+    name = "follower alone" if is_other else "leader"
+    lines = [f"{name}: {_listed(_lengths(row, 'leader_', '', '' if is_other else '_L'))};"]
+    lines.append(f"{' ' * (len(name) + 2)}{_listed(forces)}")
+    if is_other:
+        ahead = {"mass": (row["ahead_mass_kg"], "kg"), **_lengths(row, "ahead_", "ahead_", "_L")}
+        lines.append(f"leader, {row['ahead_species']}: {_listed(ahead)}")
+        if row["phase_lock"]:
+            lines.append("in step: the follower beats in its leader's period")
+    if row["phase_lock"] is False:
+        lines.append("each in its own beat: forces are averaged over all phases, and there is none to tell")
+    return tuple(lines)
+
+
+def _lengths(row: Row, stroke: str, rest: str, of: str) -> dict[str, tuple[float, str]]:
+    """Return lengths and stroke of a bird by the prefixes of its columns; `of` is put to the symbols of the stroke."""
+    return {
+        "semispan b": (row[f"{rest}semispan_m"], "m"),
+        "wavelength λ": (row["speed_m_s"] * row[f"{rest}period_s"], "m"),
+        f"amplitude h{of}": (row[f"{stroke}amplitude_m"], "m"),
+        f"upstroke span ratio R{of}": (row[f"{stroke}upstroke_span_ratio"], ""),
+    }
+
+
+def _listed(part: dict[str, tuple[float, str]]) -> str:
+    return ", ".join(f"{name} {value:#.4g} {unit}".rstrip() for name, (value, unit) in part.items())
 
 
 def best_optima(rows: pd.DataFrame) -> dict[str, Row]:

@@ -156,7 +156,13 @@ def with_quantities(rows: pd.DataFrame) -> pd.DataFrame:
         The rows and the columns of `GROUPS` and of `QUANTITIES` but `v_gap`, which needs all of a job's rows.
     """
     scaled = with_groups(rows)
-    semispan, wavelength = rows["semispan_m"], rows["speed_m_s"] * rows["period_s"]
+    # Of the bird ahead, which is like its follower where nothing else is told.
+    period, height = rows["period_s"], rows["leader_amplitude_m"]
+    if "ahead_species" in rows:
+        is_other = rows["ahead_species"].notna()
+        period = rows["ahead_period_s"].astype(float).where(is_other, period)
+        height = rows["ahead_amplitude_m"].astype(float).where(is_other, height)
+    semispan, wavelength = rows["semispan_m"], rows["speed_m_s"] * period
     x, y, z = (rows[name].astype(float) for name in ("x_m", "y_m", "z_m"))
     saved = rows["leader_power_total_w"] - rows["power_total_w"]
     scaled["x_wavelengths"] = x / wavelength
@@ -164,9 +170,9 @@ def with_quantities(rows: pd.DataFrame) -> pd.DataFrame:
     scaled["y_semispans"] = y / semispan
     scaled["tip_spacing_semispans"] = y / semispan - 2.0
     scaled["z_semispans"] = z / semispan
-    scaled["z_amplitudes"] = z / rows["leader_amplitude_m"]
+    scaled["z_amplitudes"] = z / height
     # The leader's wingtip was here x/lambda wingbeats ago.
-    scaled["path_phase"] = np.mod(rows["phase"] - x / wavelength + 0.5, 1.0) - 0.5
+    scaled["path_phase"] = np.mod(rows["phase"].astype(float) - x / wavelength + 0.5, 1.0) - 0.5
     scaled["profile_share"] = (rows["leader_power_profile_w"] - rows["power_profile_w"]) / saved
     scaled["saving_cost"] = 1.0 - rows["cost"] / rows["cost_leader"]
     scaled["amplitude_reduction"] = 1.0 - rows["amplitude_m"] / rows["leader_amplitude_m"]

@@ -28,7 +28,7 @@ def study_of(plan: Plan) -> str:
     blocks = content.get("block", [])
     tables = [content, *(blocks if isinstance(blocks, list) else [blocks])]
     keys = {key for table in tables for key in table}
-    if plan.kind is not Pair or keys & {"solver", "grid", "zip"}:
+    if plan.kind is not Pair or keys & {"solver", "grid", "zip", "leader", "phase_lock"}:
         return ""
     samples = [table["sample"] for table in tables if "sample" in table]
     if not samples:

@@ -120,16 +120,18 @@ def of_places(behind: Behind, places: NDArray[np.float64]) -> dict[str, NDArray]
         x, y, z in m and the phase.
     """
     x, y, z, phase = places.T
-    spatial = x / behind.bird.wavelength_m - phase
+    spatial = x / behind.leader.wavelength_m - phase
     spatial -= np.ceil(spatial - 0.5)
+    if not behind.phase_lock:
+        phase = spatial = np.full(len(x), np.nan)
     return {
         "x_m": x,
         "y_m": y,
         "z_m": z,
         "phase": phase,
         "spatial_phase": spatial,
-        "wings_overlap": np.abs(y) < 2.0 * behind.bird.semispan_m,
-        "beyond_wake": x > behind.model.wavelengths * behind.bird.wavelength_m,
+        "wings_overlap": np.abs(y) < behind.bird.semispan_m + behind.leader.semispan_m,
+        "beyond_wake": x > behind.model.wavelengths * behind.leader.wavelength_m,
     }
 
 
@@ -172,7 +174,7 @@ def _reasons(found: Balanced) -> NDArray[np.object_]:
 
 def _outside(behind: Behind, found: Balanced) -> NDArray[np.object_]:
     """Return whether strokes are beyond the paper's bounds; None where there is none."""
-    limit, slack = behind.ahead.amplitude_m, 1e-9
+    limit, slack = behind.amplitude_limit_m, 1e-9
     low, high = SPAN_RATIO_BOUNDS
     outside = (found.amplitude_m < (LEAST_AMPLITUDE - slack) * limit) | (
         found.amplitude_m > (1.0 + slack) * limit

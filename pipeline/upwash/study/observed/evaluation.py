@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from upwash import columns as of
 from upwash.aero.bird import Bird
 from upwash.aero.pose import Pose
+from upwash.aero.together import SHARED
 from upwash.aero.wake import WakeModel
 from upwash.columns import Column
 from upwash.errors import UpwashError
@@ -65,6 +66,10 @@ class Asked:
         Inputs that differ from a species' own.
     finds_optimum : bool
         Whether the V optimum is sought as well.
+    leader : Bird or Species, optional
+        The bird ahead, if it is another; at the follower's speed and in its air.
+    phase_lock : bool
+        Whether birds beat in step, in the leader's period; else each in its own, averaged over all phases.
     """
 
     bird: Bird | Species
@@ -81,6 +86,8 @@ class Asked:
     amplitude: str = "stroke-angle"
     fixed: Mapping[str, float] = field(default_factory=dict)
     finds_optimum: bool = True
+    leader: Bird | Species | None = None
+    phase_lock: bool = True
 
     def __post_init__(self) -> None:
         for name in ("sigma", "sigma_m", "sigma_phase"):
@@ -97,6 +104,30 @@ class Asked:
             raise UpwashError(
                 "--wake, --heading: expected --pairs with them, as a row of another table has one bird ahead; add it"
             )
+
+        if self.pairs and (self.leader is not None or not self.phase_lock):
+            raise UpwashError(
+                "--pairs: expected birds that are alike and beat in step, as each follows another, found a leader of "
+                "its own or none in step; leave it out"
+            )
+
+    def leader_of(self, bird: Bird) -> Bird:
+        """Return the bird ahead of a follower, at its speed and in its air.
+
+        Raises
+        ------
+        UpwashError
+            If there is no such bird.
+        """
+        if self.leader is None:
+            return bird
+        shared = {name: getattr(bird, name) for name in SHARED}
+        if not isinstance(self.leader, Species):
+            return replace(self.leader, **shared)
+        own = self.leader.inputs()
+        return self.leader.bird(
+            self.amplitude, **{name: value for name, value in shared.items() if own[name] != value}
+        )
 
     def bird_with(self, **inputs: float) -> Bird:
         """Return the bird, with what a row says of it.
@@ -193,7 +224,12 @@ class Evaluation:
                 self._behind.clear()
             try:
                 self._behind[bird] = Behind(
-                    bird, self.asked.objective, model=self.asked.model, bounds=self.asked.bounds
+                    bird,
+                    self.asked.objective,
+                    model=self.asked.model,
+                    bounds=self.asked.bounds,
+                    leader=self.asked.leader_of(bird),
+                    phase_lock=self.asked.phase_lock,
                 )
             except ValueError as error:
                 raise UpwashError(str(error)) from error
@@ -232,7 +268,11 @@ class Evaluation:
         known = places.copy()
         known[np.repeat(free_height, counts), 2] = 0.0
         known[np.repeat(free_phase, counts), 3] = 0.0
-        birds = Birds(known, first, free_height, free_phase, self._errors(members, rows, behind.bird))
+        # Where phases are averaged there is none to choose.
+        free_phase &= behind.phase_lock
+        errors = self._errors(members, rows, behind.bird)
+        errors = None if errors is None else behind.felt_places(errors)
+        birds = Birds(behind.felt_places(known), first, free_height, free_phase, errors)
         found = survey(behind, birds, self.jobs)
         at = known[first[:-1]]
         at[:, 2] += found.height_m
@@ -271,9 +311,11 @@ class Evaluation:
         optimum = self.optimum(behind.bird)
         if optimum is None:
             return {}
-        pose, wavelength = optimum.pose, behind.bird.wavelength_m
+        pose, wavelength = optimum.pose, behind.leader.wavelength_m
         along = values["x_m"] - pose.x_m
-        if behind.model.is_endless:
+        if behind.model.is_endless and not behind.phase_lock:
+            along = np.zeros_like(along)
+        elif behind.model.is_endless:
             apart = along / wavelength - (values["phase"] - pose.phase)
             along = wavelength * (apart - np.round(apart))
         across, up = np.abs(values["y_m"]) - abs(pose.y_m), values["z_m"] - pose.z_m
@@ -298,7 +340,12 @@ class Evaluation:
     def _sought(self, bird: Bird) -> _Optimum | None:
         try:
             solution = solve_pair(
-                bird, self.asked.objective, model=self.asked.model, search=SearchSettings(tolerance=1e-2)
+                bird,
+                self.asked.objective,
+                model=self.asked.model,
+                search=SearchSettings(tolerance=1e-2),
+                leader=self.asked.leader_of(bird),
+                phase_lock=self.asked.phase_lock,
             )
         except ValueError:
             # Of this model no optimum can be searched.
@@ -322,6 +369,8 @@ def evaluate(
     sigma_m: float | None = None,
     sigma_phase: float | None = None,
     finds_optimum: bool = True,
+    leader: Bird | Species | None = None,
+    phase_lock: bool = True,
     jobs: int = 1,
 ) -> pd.DataFrame:
     """Return what observed birds save where they fly.
@@ -352,6 +401,10 @@ def evaluate(
         with its quantiles of 5 and 95 %.
     finds_optimum : bool
         Whether the V optimum is sought as well, and each bird compared with it.
+    leader : Bird or Species, optional
+        The bird ahead, if it is another; at the follower's speed and in its air.
+    phase_lock : bool
+        Whether birds beat in step, in the leader's period; else each in its own, averaged over all phases.
     jobs : int
         How many threads share the work.
 
@@ -387,6 +440,8 @@ def evaluate(
         sigma_m,
         sigma_phase,
         finds_optimum=finds_optimum,
+        leader=leader,
+        phase_lock=phase_lock,
     )
     return Evaluation(asked, jobs)(table)
 
