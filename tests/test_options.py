@@ -86,6 +86,7 @@ VALUES = {
     "--wind": "2",
     "--efficiency": "0.2",
     "--keep": "kept.json",
+    "--figure": "drawn",
     "--sigma-m": "0.02",
     "--sigma-phase": "0.1",
     "--observed": "birds.csv",

@@ -6,7 +6,10 @@ from io import StringIO
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from report import studies
 from upwash.cli import main
+from upwash.report.figures import journeys
+from upwash.report.figures.drawing import as_bytes
 from upwash.study.best_speed import SPEEDS
 
 IBIS = "northern-bald-ibis"
@@ -65,3 +68,13 @@ def test_what_cannot_be_is_refused_in_one_line(options, words):
     assert (result.exit_code, result.stdout) == (2, "")
     assert words in result.stderr
     assert result.stderr.count("\n") == 1
+
+
+def test_figures_of_speeds_and_of_a_flight_have_their_panels_and_are_the_same_each_time():
+    speeds, flight = journeys.draw_speeds(studies.speed_frame()), journeys.draw_flight(studies.flight_frame())
+    assert [axes.get_xlabel() for axes in speeds.axes] == 2 * ["birds that take turns"]
+    assert [axes.get_ylabel() for axes in flight.axes] == ["kg", "W", "m/s", "m"]
+    # Alone, and in the flock.
+    assert [len(axes.lines) for axes in flight.axes] == 4 * [2]
+    again = journeys.draw_speeds(studies.speed_frame())
+    assert as_bytes(again, ".png") == as_bytes(speeds, ".png")

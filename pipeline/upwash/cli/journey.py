@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from upwash.cli.printing import as_json
+from upwash.cli.printing import as_json, say
 from upwash.cli.solve import problem
 from upwash.cli.streams import at_work
 from upwash.optimum.settings import SHAPES
@@ -19,6 +19,11 @@ shape_option = click.option(
     show_default=True,
     help="One line, two from one leader, or one that changes sides.",
 )
+figure_option = click.option(
+    "--figure",
+    metavar="NAME",
+    help="Draw it as well, as NAME.pdf and NAME.png; their names go to standard error.",
+)
 csv_option = click.option("--csv", "csv_output", is_flag=True, help="Print CSV instead of text.")
 
 
@@ -29,9 +34,18 @@ csv_option = click.option("--csv", "csv_output", is_flag=True, help="Print CSV i
 )
 @shape_option
 @click.option("--turns", is_flag=True, help="Leave out flocks that take no turns at the front.")
+@figure_option
 @csv_option
 @as_json
-def speed(sizes: str, shape: str, turns: bool, csv_output: bool, json_output: bool, **chosen: Any) -> None:
+def speed(
+    sizes: str,
+    shape: str,
+    turns: bool,
+    figure: str | None,
+    csv_output: bool,
+    json_output: bool,
+    **chosen: Any,
+) -> None:
     """Find how fast a bird does best alone, behind another, and in flocks: least power, and most range.
 
     SPECIES is a name in the library or the path of a TOML file. At each speed every follower flies where it
@@ -71,12 +85,38 @@ def speed(sizes: str, shape: str, turns: bool, csv_output: bool, json_output: bo
         amplitude_convention=asked.job.amplitude_convention,
     )
     table = Table("", rows)
+    if figure is not None:
+        draw(figure, "draw_speeds", rows)
     if csv_output:
         click.echo(table.csv(), nl=False)
     elif json_output:
         click.echo(json.dumps(table.records(), indent=2, allow_nan=False, ensure_ascii=False))
     else:
         click.echo(speed_answer(rows))
+
+
+def draw(name: str, how: str, rows: Any) -> None:
+    """Draw rows as a figure, and say where it is.
+
+    Raises
+    ------
+    UpwashError
+        If it cannot be written there.
+    """
+    from pathlib import Path
+
+    from upwash.batch.store import cannot_write
+    from upwash.report.figures import journeys
+    from upwash.report.figures.catalogue import save_all
+
+    at_work("drawing")
+    stem = Path(name)
+    try:
+        stem.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise cannot_write(stem.parent, error) from error
+    for path in save_all(getattr(journeys, how)(rows), stem, (".pdf", ".png")):
+        say(f"drew {path}")
 
 
 def sizes_of(text: str) -> list[int]:
@@ -169,6 +209,7 @@ def warn_of_body_drag(amplitude: str, objective: str) -> None:
 @click.option(
     "--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes that prove places."
 )
+@figure_option
 @csv_option
 @as_json
 def migrate(
@@ -182,6 +223,7 @@ def migrate(
     efficiency: float | None,
     keep: str | None,
     workers: int,
+    figure: str | None,
     csv_output: bool,
     json_output: bool,
     **chosen: Any,
@@ -278,6 +320,8 @@ def migrate(
     at_work("flying")
     rows = migration.migrate(journey, workers=workers, known=known, keep=save)
     table = Table("", rows)
+    if figure is not None:
+        draw(figure, "draw_flight", rows)
     if csv_output:
         click.echo(table.csv(), nl=False)
     elif json_output:

@@ -394,15 +394,20 @@ class SpeedSearch:
     def _end_of_range(self, line: Line) -> str:
         speed = line.bird.speed_m_s
         if speed < self.within.low * math.exp(3.0 * STENCIL):
-            return self.within.below
+            return _limit(self.within.below)
         if speed > self.within.high * math.exp(-3.0 * STENCIL):
-            return self.within.above
+            return _limit(self.within.above)
         return ""
 
 
 ENDS = "a follower's V optimum ends there"
 ANOTHER = "another place becomes the best of a follower there"
 """What may hold a speed where the slope does not vanish."""
+
+
+def _limit(reason: str) -> str:
+    """Say that no bird flies beyond a speed, without what to do about it."""
+    return f"no bird beyond: {reason.partition(';')[0]}"
 
 
 def _too_windy(tailwind_m_s: float, within: SpeedRange) -> str:
