@@ -15,6 +15,7 @@ def robust(*options):
     return CliRunner().invoke(main, ["robust", IBIS, "--tolerance", "1e-2", *options])
 
 
+@pytest.mark.thorough
 def test_json_and_csv_hold_the_declared_columns():
     result = robust("--sigma", "0.05,0.1", "--json")
     assert result.exit_code == 0, result.stderr
@@ -36,6 +37,7 @@ def test_text_says_how_far_the_place_reaches():
     assert "0.97 cm nearer or 0.82 cm farther" in result.stdout
 
 
+@pytest.mark.thorough
 def test_a_cost_without_v_says_so():
     result = robust("--model", "limit", "--objective", "force", "--sigma", "0.05")
     assert result.exit_code == 0, result.stderr

@@ -189,6 +189,7 @@ def test_a_core_edge_is_where_the_slope_jumps_and_either_branch_continues_past_i
         assert np.max(np.abs(slopes[0] - slopes[1])) > 1e-4
 
 
+@pytest.mark.thorough
 @EACH_MODEL
 def test_no_proof_excludes_a_follower_that_can_fly(model):
     rng, tried = np.random.default_rng(4), 0

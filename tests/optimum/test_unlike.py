@@ -167,6 +167,7 @@ def test_birds_at_two_speeds_do_not_fly_together(ibis):
         solve_pair(ibis, leader=replace(ibis, speed_m_s=14.0))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("follower", "leader"), PAIRS)
 def test_a_bird_a_hundred_times_as_heavy_as_the_other(follower, leader):
     solution = solve_pair(
