@@ -77,6 +77,8 @@ VALUES = {
     "--shard": "2/3",
     "--size": "9",
     "--model": "limit",
+    "--leader": "greylag-goose",
+    "--member": "greylag-goose",
     "--wavelengths": "2",
     "--sigma": "0.3",
     "--birds": "3",
@@ -104,6 +106,12 @@ SEEN_BIRDS = """time,bird,x_m,y_m,z_m,phase,off_cm
 """
 # An option that needs another: how the command is called without its effect, and with it.
 TOGETHER = {
+    ("optimum", "--speed-of"): tuple(
+        ["--leader", "greylag-goose", "--speed-of", of] for of in ("follower", "leader")
+    ),
+    ("optimum", "--phase-lock"): ([], ["--no-phase-lock"]),
+    ("flock", "--phase-lock"): ([], ["--no-phase-lock"]),
+    ("evaluate", "--phase-lock"): ([], ["--no-phase-lock"]),
     ("phase", "--model"): ([], ["--model", "paper"]),
     ("explore", "--model"): ([], ["--model", "paper"]),
     ("optimum", "--distance-m"): (["--model", "limit"], ["--model", "limit", "--distance-m", "1.2"]),
