@@ -322,6 +322,17 @@ class TestWriting:
         with pytest.raises(UpwashError, match="expected a results folder"):
             write_page(tmp_path / "nowhere")
 
+    def test_none_solved_and_a_hostile_name_make_a_page_in_which_it_stays_text(self, tmp_path):
+        name = "</script><script>alert(1)</script>"
+        inputs = {key: studies.pair_rows()[0][key] for key in ("job_id", "objective", "kind", *studies.IBIS)}
+        rows = [inputs | studies.IMPOSSIBLE | {"species": name}]
+        text = write_page(
+            studies.write_folder(tmp_path / "none", rows, text=f"description = '{name}'\n")
+        ).read_text()
+        assert "single out no bird" in text and "1 infeasible" in text
+        assert "&lt;script&gt;alert(1)" in text and "<script>alert" not in text
+        assert text.count("<script") == 2
+
     def test_results_that_single_out_no_bird_have_a_page_too(self, tmp_path, monkeypatch):
         rows = [
             row for value in (1.1, 1.2, 1.3) for row in studies.pair_rows(mass_kg=value, speed_m_s=10 * value)
