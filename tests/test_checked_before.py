@@ -13,6 +13,7 @@ from upwash.aero.pose import Pose, Stroke
 from upwash.aero.power import COST_FUNCTIONS
 from upwash.errors import UpwashError
 from upwash.jobs.flock import Flock
+from upwash.jobs.job import Job
 from upwash.jobs.pair import Pair
 from upwash.optimum.settings import FLOCK_CHOICES, FlockRules, SearchSettings
 from upwash.optimum.spacing import UNITS, Spacing
@@ -108,6 +109,10 @@ class TestParameters:
         if name in UNITS:
             with pytest.raises(ValueError, match=f"^{name}: expected .*, found "):
                 Spacing(**{name: value})
+            return
+        if name == "position_sigma_ratio":
+            with pytest.raises(ValueError, match=f"^{name}: expected .*, found "):
+                Job("ibis", "power", "given", BIRD, position_sigma_ratio=value)
             return
         if name in ("model", "distance_m"):
             with pytest.raises(ValueError, match=f"^{name}: expected .*, found "):
@@ -305,6 +310,7 @@ ENDS = {
     "wing_area_m2": REACH,
     "body_drag_coefficient": REACH,
     "altitude_m": (0.0, 11000.0),
+    "position_sigma_ratio": (1e-4, 1.0),
 }
 OF_WORDS = [name for name, rule in PARAMETERS.items() if rule.words.startswith("one of ")]
 

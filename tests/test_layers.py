@@ -18,7 +18,7 @@ MAY_IMPORT = {
     "optimum": {"aero", "columns", "errors", "kernel"},
     "place": {"aero", "columns", "errors", "kernel", "optimum"},
     "species": {"aero", "columns", "errors", "shipped"},
-    "jobs": {"aero", "columns", "errors", "kernel", "optimum"},
+    "jobs": {"aero", "columns", "errors", "kernel", "optimum", "place"},
     "journey": {"aero", "columns", "errors", "optimum", "place", "species"},
     "sweep": {"aero", "columns", "errors", "jobs", "journey", "optimum", "shipped", "species"},
     "batch": {"columns", "errors", "jobs", "shipped", "sweep"},

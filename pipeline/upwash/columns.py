@@ -254,6 +254,15 @@ _slope = partial(_rise, unit="1/m", least=-1e-6)
 _curvature = partial(_rise, unit="1/m2", least=-1e-6)
 _restores = partial(_evidence, unit="", type=TRUTH, agreement=EXACT, since=3)
 _price = partial(_evidence, agreement=RISE, absent=SOMETIMES, since=3)
+_robust = partial(
+    Column,
+    unit="1",
+    agreement=RISE,
+    belongs=JOB,
+    verified=RECOMPUTED,
+    absent=SOMETIMES,
+    since=3,
+)
 _lies_on = partial(_evidence, unit="", type=TEXT, agreement=EXACT)
 _bound = partial(Column, unit=_COST, agreement=BOUND, belongs=PROOF, verified=PROVED, absent=SOMETIMES)
 _gap = partial(_bound, unit="1")
@@ -353,6 +362,11 @@ COLUMNS = (
     _limit("distance_min_m", "m", "least distance from the bird ahead that a follower keeps, if any"),
     _limit(
         "bearing_max_deg", "deg", "greatest angle, seen from above, from its flight to the bird ahead, if any"
+    ),
+    _limit(
+        "position_sigma_ratio",
+        "1",
+        "standard deviation in x, y and z, over semispan, by which a place is to jitter, if any",
     ),
     _count("seed", description="seed of the search", belongs=SEARCH),
     _input("tolerance", "1", "relative gap to which the optimum is to be proved", belongs=SEARCH),
@@ -561,6 +575,19 @@ COLUMNS = (
         unit="1/deg",
         description="what bearing_max_deg costs: rise of the cost as it falls",
     ),
+    _robust(
+        "robust_saving_still",
+        description="saving of power that the V optimum, or the best, leaves in the jitter",
+    ),
+    _robust(
+        "robust_x_m", unit="m", description="x of the place that leaves most in the jitter to one stroke"
+    ),
+    _robust("robust_y_m", unit="m", description="y of that place"),
+    _robust("robust_z_m", unit="m", description="z of that place"),
+    _robust("robust_phase", description="phase of that place"),
+    _robust("robust_amplitude_m", unit="m", description="amplitude that balances there in the mean"),
+    _robust("robust_upstroke_span_ratio", description="upstroke span ratio that balances there in the mean"),
+    _robust("robust_saving", description="saving of power that it leaves"),
     Column(
         "solve_time_s",
         "s",

@@ -19,6 +19,7 @@ from upwash.aero.wake import WakeModel
 from upwash.columns import Cell, Row, Stored
 from upwash.errors import UpwashError
 from upwash.jobs.bird import BIRD_COLUMNS, NoBird, bird_of, inputs_of
+from upwash.jobs.jitter import RULE, SIGMA, need_alike
 from upwash.jobs.kind import Kind
 from upwash.jobs.kinds import KINDS
 from upwash.jobs.pair import Pair
@@ -70,6 +71,8 @@ class Job:
         How far behind the one ahead a follower is said to fly where the wake is endless; half a wavelength if None.
     spacing : Spacing
         What a follower keeps to.
+    position_sigma_ratio : float or None
+        By how much a place is to jitter, in semispans; not at all if None.
 
     Raises
     ------
@@ -88,6 +91,7 @@ class Job:
     solver: str = BUILT_IN_SOLVER
     distance_m: float | None = None
     spacing: Spacing = FREE
+    position_sigma_ratio: float | None = None
     job_id: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -104,6 +108,9 @@ class Job:
             ahead = self.kind.ahead_of(self.bird)
             asked = (self.distance_m or DISTANCE * ahead.wavelength_m) if self.model.is_endless else None
             self.spacing.need_room(self.bird.semispan_m, ahead.wavelength_m, asked, ahead.semispan_m)
+        if self.position_sigma_ratio is not None:
+            object.__setattr__(self, SIGMA, RULE(SIGMA, self.position_sigma_ratio))
+        need_alike(self)
         object.__setattr__(self, "job_id", job_id(self.inputs()))
 
     def inputs(self) -> Row:
@@ -121,6 +128,7 @@ class Job:
             "solver": self.solver,
             "distance_m": self.distance_m,
             **vars(self.spacing),
+            SIGMA: self.position_sigma_ratio,
         }
         found |= of.told(vars(self.model)) | {"model": self.model.name(self.kind.wavelength_ratio(self.bird))}
         return {name: found[name] for name in INPUTS}
@@ -144,7 +152,7 @@ class Job:
             return {name: given[name] for name in names if name in given}
 
         return cls(
-            **some("species", "objective", "amplitude_convention", "solver", "distance_m"),
+            **some("species", "objective", "amplitude_convention", "solver", "distance_m", SIGMA),
             bird=bird_of({name: given[column] for name, column in BIRD_COLUMNS.items()}),
             model=WakeModel(**some(*(entry.name for entry in fields(WakeModel)))),
             search=SearchSettings(**some("seed", "tolerance")),

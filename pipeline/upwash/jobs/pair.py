@@ -16,6 +16,7 @@ from upwash.aero.bird import Bird
 from upwash.aero.pose import Pose, Stroke
 from upwash.aero.wake import WakeModel
 from upwash.jobs.bird import AHEAD, Companion, NoBird, wavelength_ratio
+from upwash.jobs.jitter import NAMES, left_by_jitter, unlike_left
 from upwash.jobs.kind import Answer, Kind
 from upwash.jobs.schema import of_two, own_fields, schema_of
 from upwash.jobs.stored import (
@@ -88,8 +89,9 @@ class Pair(Kind):
             phase_lock=self.phase_lock,
             spacing=job.spacing,
         )
-        if solution.status == of.SOLVED:
-            return of.SOLVED, "", solution.rows()
+        if still := solution.v_optimum or solution.global_optimum:
+            left = left_by_jitter(job, bird, still.pose, solution.v_optimum is not None)
+            return of.SOLVED, "", [row | left for row in solution.rows()]
         return solution.status, NO_BALANCE, [solution.of_the_job()]
 
     @classmethod
@@ -171,6 +173,12 @@ class Pair(Kind):
             for name, expected in (("is_global_optimum", number == 0), ("is_v_optimum", number == best_v)):
                 if row[name] is not expected:
                     yield name, f"expected {expected} at rank {number}, found {row[name]}"
+        if isinstance(job.bird, Bird):
+            still = rows[best_v or 0]
+            yield from unlike_left(job, job.bird, rows[0], pose_to_the_right(still), best_v is not None)
+            for name in NAMES:
+                if any(row.get(name) != rows[0].get(name) for row in rows):
+                    yield name, "expected the same in all rows of a job, found several values"
         poses = list(map(pose_to_the_right, rows))
         for first, second in sorted({pair for problem in problems for pair in alike(problem, poses)}):
             yield "rank", f"expected distinct optima, found that of rank {first} again at rank {second}"

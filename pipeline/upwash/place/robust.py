@@ -127,16 +127,21 @@ class Jittering:
 
     def remaining(self, pose: Pose) -> Remaining:
         """Return what is left at the place of a pose; its stroke has no say."""
-        place = np.array([*pose.position_m, pose.phase]) / self.unit
-        stroke = self._cheapest(place)
-        results = self._retrimmed(place)
+        held, saving = self.held(pose)
+        results = self._retrimmed(np.array([*pose.position_m, pose.phase]) / self.unit)
         balances = results[:, FOUND] > 0.0
         return Remaining(
-            None if stroke is None else self._pose(place, stroke),
-            np.nan if stroke is None else self._saving(*stroke),
+            held,
+            np.nan if saving is None else saving,
             float(np.mean(results[balances, SAVING])) if np.any(balances) else np.nan,
             float(np.mean(balances)),
         )
+
+    def held(self, pose: Pose) -> tuple[Pose | None, float | None]:
+        """Return a pose's place with the cheapest stroke that balances in the mean, and its saving; None if none."""
+        place = np.array([*pose.position_m, pose.phase]) / self.unit
+        stroke = self._cheapest(place)
+        return (None, None) if stroke is None else (self._pose(place, stroke), self._saving(*stroke))
 
     def best(self, known: Iterable[Pose] = (), in_v: bool = False) -> Remaining | None:
         """Return what is left at the place that leaves most to a bird with one stroke; None if no place is found.

@@ -17,6 +17,7 @@ from upwash.aero.together import SHARED
 from upwash.aero.wake import GIVEN, NAMES, WakeModel
 from upwash.errors import UpwashError
 from upwash.jobs.bird import AHEAD, BIRD_COLUMNS, Companion, NoBird, bird_of, inputs_of
+from upwash.jobs.jitter import SIGMA
 from upwash.jobs.job import BUILT_IN_SOLVER, Job
 from upwash.jobs.kind import Kind
 from upwash.optimum.settings import SearchSettings
@@ -195,6 +196,7 @@ class Block:
                 kind=kind,
                 solver=self.solver,
                 distance_m=point["distance_m"].value if "distance_m" in point else None,
+                position_sigma_ratio=point[SIGMA].value if SIGMA in point else None,
                 spacing=Spacing(**{name: point[name].value for name in UNITS if name in point}),
             )
         except WrongInput as error:

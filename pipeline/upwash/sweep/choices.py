@@ -5,6 +5,7 @@ from __future__ import annotations
 from upwash import columns as of
 from upwash.aero.checked import REACH, Rule, one_of, positive, rules_of
 from upwash.aero.wake import LENGTH, NAMES, WakeModel
+from upwash.jobs.jitter import RULE, SIGMA
 from upwash.optimum.settings import SearchSettings
 from upwash.optimum.spacing import UNITS, Spacing
 from upwash.species.species import INPUT_RULES, OF_THE_AMPLITUDE
@@ -34,6 +35,7 @@ PARAMETERS: dict[str, Rule] = {
     **PARTS,
     "distance_m": REACH,
     **rules_of(Spacing),
+    SIGMA: RULE,
 }
 """Parameters of bird and wake, which a sweep may vary."""
 
@@ -45,7 +47,14 @@ STROKE_ANGLE, ALTITUDE = "stroke_half_angle_deg", "altitude_m"
 NOT_TOLD = (ALTITUDE, *(name for name in OF_THE_AMPLITUDE if name != STROKE_ANGLE))
 """Parameters that no job tells, but the density or the amplitude that follows from them."""
 
-UNSCALED = (MODEL, *(name for name in PARTS if name != "core_radius_ratio"), "distance_m", ALTITUDE, *UNITS)
+UNSCALED = (
+    MODEL,
+    *(name for name in PARTS if name != "core_radius_ratio"),
+    "distance_m",
+    ALTITUDE,
+    *UNITS,
+    SIGMA,
+)
 """Parameters of which no sweep takes a factor: they are words or counts, or have no value of the species' own."""
 
 WORDED = frozenset(
