@@ -49,7 +49,7 @@ MAY_IMPORT = {
         "species",
         "study",
     },
-    "ahead": {"aero", "errors", "kernel", "optimum", "species", "study"},
+    "ahead": {"aero", "errors", "kernel", "optimum", "place", "species", "study"},
     "cli": {
         "aero",
         "ahead",

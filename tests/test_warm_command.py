@@ -144,12 +144,7 @@ def test_after_it_commands_compile_nothing(tmp_path):
     for arguments in (
         ["optimum", IBIS],
         ["optimum", IBIS, "--model", "limit"],
-        ["flock", IBIS, "--birds", "3", "--wake", "all-upstream"],
         ["phase", IBIS],
-        ["robust", IBIS, "--sigma", "0.1"],
-        ["evaluate", IBIS, "seen.csv", "--model", "limit"],
-        ["map", IBIS, "--size", "4"],
-        ["field", IBIS, "--size", "4"],
     ):
         assert call(*arguments).files == kept, arguments
     again = json.loads(call("warm", "--json").out)

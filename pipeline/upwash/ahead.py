@@ -56,12 +56,12 @@ def _prove(model: str) -> None:
 
 
 def _tell(model: str) -> None:
-    """Solve a pair from few starts: beside search and proof that is all that is told of optima."""
+    """Solve a pair without a proof: beside the search that is what is told of optima, on core edges and off them."""
     from upwash.optimum.pair import solve_pair
     from upwash.optimum.settings import SearchSettings
 
     bird, wake = _asked(model)
-    solve_pair(bird, "power", model=wake, search=SearchSettings(starts=20, most_boxes=1))
+    solve_pair(bird, "force", model=wake, search=SearchSettings(most_boxes=1))
 
 
 def _map_forces(model: str) -> None:
@@ -76,9 +76,11 @@ def _map_forces(model: str) -> None:
 def _evaluate(model: str) -> None:
     import pandas as pd
 
+    from upwash.place.balance import Behind
     from upwash.study.observed.evaluation import evaluate
 
     bird, wake = _asked(model)
+    Behind(bird, "power", model=wake).balances([(1.8, 0.9, 0.1, 0.5)])
     seen = pd.DataFrame({"x_m": [1.8, 1.8], "y_m": [0.9, 0.9], "z_m": [0.1, None], "phase": [0.5, None]})
     evaluate(bird, seen, model=wake, sigma=0.05, finds_optimum=False)
 
