@@ -20,7 +20,8 @@ what is least known. Birds are those of the library, their amplitude by stroke a
 place is named.
 
 How sure a number is: **read** in the original or its abstract, **quoted** by a source that was read, **recalled**
-from memory, **derived** from first principles and recomputed here, **computed** once by someone and not redone here.
+from memory, **derived** from first principles and recomputed here, **computed** once by someone and not redone here, unless
+said otherwise.
 
 A number is accepted within a range that is no wider than the effect that it tells of; where a publication's own range
 is wider, nothing is won by agreeing with it. The verdicts:
@@ -29,8 +30,8 @@ is wider, nothing is won by agreeing with it. The verdicts:
 
 No entry is a validation. Nobody has measured the mechanical power of a bird in formation; published savings are
 computed for fixed wings or inferred from heart rates, and the numbers of the unsteady lattice (PteraSoftware 5.1.0,
-an ibis trimmed to the model's weight and drag, its wake prescribed) come from one run whose lift is good to 2 to 5 %
-and whose thrust to 5 to 15 %.
+an ibis trimmed to the model's weight and drag, its wake prescribed) come from an earlier run whose lift is good to 2 to
+5 % and whose thrust to 5 to 15 %; [flown anew](lattice.md), with wings of another twist, it says much the same.
 
 `upwash literature` prints this ledger, with `--json` or `--csv`; `--fresh` solves and judges it anew. The table of
 entries is `pipeline/upwash/literature/literature.csv`, observations are those of `species/observations.csv`, and a
