@@ -282,3 +282,16 @@ def test_limits_of_the_place_are_kept_by_search_and_proof(rule):
     assert certify(problems[0], inside, 2.0, 1e-2, 50).is_closed
     free = pair_problems(IBIS, "power", model=model)[0]
     assert not certify(free, inside, 2.0, 1e-2, 50).is_closed
+
+
+def test_a_wall_of_the_place_in_reach_exerts_nothing(ibis):
+    model = WakeModel(stroke_states=4, span_nodes="exact", wavelengths=2)
+    problem = pair_problems(ibis, "force", model=model)[0]
+    felt, balance, room = problem.felt, new_balance(), cut_descent.make_room(problem.felt)
+    # Walls are numbered on after the edges.
+    wall, side, point = np.array([felt.edges.size - 1]), np.array([1.0]), problem.bounds.mean(axis=1)
+    seen = []
+    for count in (0, 1):
+        cost = cut_descent.evaluate_cut(point, felt, problem.constants, room, wall, side, count, balance)
+        seen.append([cost, *balance.residual, *balance.jacobian.ravel()])
+    assert seen[0] == seen[1]

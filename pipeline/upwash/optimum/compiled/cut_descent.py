@@ -86,9 +86,11 @@ def evaluate_cut(point, felt, constants, room, near, side, count, balance):
     residual[0], residual[1] = cut_wake_force(point, felt.wake, room.runs, jacobian)
     room.force[0] = room.force[1] = 0.0
     for k in range(count):
-        first, beyond = felt.edges[near[k]], felt.edges[near[k] + 1]
-        from_side = 1 if side[k] > 0.0 else -1
-        edge_force(point, core2, felt.stations, first, beyond, from_side, room.force, jacobian)
+        # A wall of the place exerts nothing.
+        if near[k] < felt.edges.size - 1:
+            first, beyond = felt.edges[near[k]], felt.edges[near[k] + 1]
+            from_side = 1 if side[k] > 0.0 else -1
+            edge_force(point, core2, felt.stations, first, beyond, from_side, room.force, jacobian)
     cost = add_own_flight(point, constants, residual, balance.gradient, jacobian)
     residual[0] += room.force[0]
     residual[1] += room.force[1]
