@@ -20,8 +20,8 @@ what is least known. Birds are those of the library, their amplitude by stroke a
 place is named.
 
 How sure a number is: **read** in the original or its abstract, **quoted** by a source that was read, **recalled**
-from memory, **derived** from first principles and recomputed here, **computed** once by someone and not redone here, unless
-said otherwise.
+from memory, **derived** from first principles and recomputed here, **computed** once by someone and not redone here,
+unless said otherwise.
 
 A number is accepted within a range that is no wider than the effect that it tells of; where a publication's own range
 is wider, nothing is won by agreeing with it. The verdicts:
