@@ -46,7 +46,7 @@ def small_package(tmp_path):
     """Make a package with this one's cache, a constant, and two kernels, one calling the other across files."""
     room = tmp_path / "upwash" / "aero"
     room.mkdir(parents=True)
-    for name in ("__init__.py", "kernel.py"):
+    for name in ("__init__.py", "kernel.py", "parts.py"):
         shutil.copy(PACKAGE / name, room.parent / name)
     (room / "constants.py").write_text("STEP = 1.0\n")
     (room / "inner.py").write_text(INNER)
@@ -95,6 +95,18 @@ def test_what_changes_the_code_is_compiled_again(small_package, file, old, new, 
     assert run_outer(small_package) == (20.0, False)
     edit(small_package / file, old, new)
     assert run_outer(small_package) == (result, True)
+
+
+def test_another_version_of_numba_compiles_as_it_always_does(small_package):
+    other = (
+        "import importlib.metadata as about\n"
+        "real = about.version\n"
+        "about.version = lambda name: '0.99.0' if name == 'numba' else real(name)\n"
+        "import sys\n"
+        "sys.modules['upwash.parts'] = None\n"
+    )
+    assert run_outer(small_package, other) == (20.0, True)
+    assert run_outer(small_package, other) == (20.0, False)
 
 
 @pytest.mark.thorough

@@ -31,23 +31,10 @@ from typing import Any
 import numba
 import numpy as np
 from numba.core import config, types
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, CompileResult
-from numba.core.compiler_machinery import PassManager
+from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
-from numba.core.typed_passes import DumpParforDiagnostics, InlineOverloads, NopythonRewrites
-from numba.core.untyped_passes import (
-    FindLiterallyCalls,
-    InlineClosureLikes,
-    InlineInlinables,
-    LiteralPropagationSubPipelinePass,
-    LiteralUnroll,
-    MakeFunctionToJitFunction,
-    RewriteDynamicRaises,
-    WithLifting,
-)
 from numba.misc.appdirs import AppDirs
 
 PACKAGE = Path(__file__).parent
@@ -62,22 +49,12 @@ COMPILING = (
 
 LOGGER = logging.getLogger(__name__)
 
-IDLE_PASSES = frozenset(
-    (
-        DumpParforDiagnostics,
-        FindLiterallyCalls,
-        InlineClosureLikes,
-        InlineInlinables,
-        InlineOverloads,
-        LiteralPropagationSubPipelinePass,
-        LiteralUnroll,
-        MakeFunctionToJitFunction,
-        NopythonRewrites,
-        RewriteDynamicRaises,
-        WithLifting,
-    )
-)
-"""Passes of numba for closures, literals and expressions of arrays, which no kernel has."""
+# What makes parts of kernels reaches into numba, and was tried with one version of it: others compile as they always
+# do, to the same results in twice the time.
+if version("numba").startswith("0.68."):
+    from upwash.parts import PART, WHOLE
+else:
+    PART = WHOLE = {}
 
 SIGNATURE_FLAGS = inspect.CO_VARARGS | inspect.CO_VARKEYWORDS | inspect.CO_GENERATOR
 
@@ -112,66 +89,13 @@ def kernel(function: Callable[..., Any] | None = None, /, *, allocates: bool = T
     if function is None:
         return lambda function: kernel(function, allocates=allocates, **flags)
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": allocates} | flags
-    options["pipeline_class"] = _KernelCompiler
-    compiled: Any = numba.njit(**options)(function)
+    compiled: Any = numba.njit(**options | WHOLE)(function)
     if hasattr(compiled, "py_func"):  # and not the function itself, under NUMBA_DISABLE_JIT
         compiled._cache = _Kept(compiled)
-        part = numba.njit(**options | PART)(function)
-        compiled.get_call_template, compiled.get_overload = part.get_call_template, part.get_overload
+        if PART:
+            part = numba.njit(**options | PART)(function)
+            compiled.get_call_template, compiled.get_overload = part.get_call_template, part.get_overload
     return compiled
-
-
-class _PartLibrary(JITCodeLibrary):
-    """The code of a kernel as part of another: neither improved nor made machine code before it stands there."""
-
-    def _optimize_functions(self, module: Any) -> None:
-        module.data_layout = self._codegen._data_layout
-
-    def _optimize_final_module(self) -> None:
-        pass
-
-    def _finalize_final_module(self) -> None:
-        self._finalize_dynamic_globals()
-        self._finalized = True
-
-    def get_pointer_to_function(self, name: str) -> int:
-        """Return 0: nothing calls a part but what it is part of."""
-        return 0
-
-    @property
-    def codegen(self) -> Any:
-        """What would be told where the environment is: it is nowhere before the whole is compiled."""
-        return self
-
-    def set_env(self, name: str, environment: Any) -> None:
-        """Do nothing."""
-
-
-class _KernelCompiler(Compiler):
-    """Compiles a kernel by numba's own passes, but for those that find nothing in kernels and take long."""
-
-    def define_pipelines(self) -> list[PassManager]:
-        """Return the passes."""
-        (usual,) = super().define_pipelines()
-        passes = PassManager("kernel")
-        for one, what in usual.passes:
-            if one not in IDLE_PASSES:
-                passes.add_pass(one, what)
-        passes.finalize()
-        return [passes]
-
-
-class _PartCompiler(_KernelCompiler):
-    """Compiles a kernel that another one calls."""
-
-    def _compile_core(self) -> Any:
-        self.state.library = _PartLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
-        return super()._compile_core()
-
-
-PART = {"pipeline_class": _PartCompiler, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""Options of a kernel as part of another.  Without them numba would improve each kernel, and make machine code of it,
-once for itself and again in each that calls it, and they call one another six deep."""
 
 
 def is_kept(compiled: Any) -> bool:
