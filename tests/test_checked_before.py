@@ -221,7 +221,6 @@ def test_a_solver_that_is_not_there(tmp_path, solver, words):
         ("[flock]\nbirds = [1000000000]", "at most 1000 ("),
         ("[flock]\nwavelengths = 99999999", "at most 1000 ("),
         ("[grid]\nspan_nodes = [1000000000]", "at most 1000 ("),
-        ("[grid]\nstroke_states = [4]", "expected 2 ("),
         ("[grid]\ncore_radius_ratio = { value = 1e9, relative = true }", "0.001 to 1 ("),
     ],
 )

@@ -69,7 +69,8 @@ class TestPrints:
         assert "left wingtip down on right tip of upstroke ring (leader up)" in text
 
     def test_json_is_the_columns_of_the_results(self, record):
-        of_the_job = of.names(of.belonging(of.OUTCOME, of.PROBLEM, of.SEARCH, of.EFFORT, of.PROOF))
+        whose = of.OUTCOME, of.PROBLEM, of.AHEAD, of.AHEAD_STROKE, of.SEARCH, of.EFFORT, of.PROOF
+        of_the_job = of.names(of.belonging(*whose))
         assert list(record) == [*of_the_job, "optima"]
         of_an_optimum = of.names(of.belonging(of.JOB, of.OPTIMUM))
         assert all(tuple(one) == of_an_optimum for one in record["optima"])

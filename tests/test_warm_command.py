@@ -144,7 +144,13 @@ def test_after_it_commands_compile_nothing(tmp_path):
     for arguments in (
         ["optimum", IBIS],
         ["optimum", IBIS, "--model", "limit"],
+        ["flock", IBIS, "--birds", "3"],
         ["phase", IBIS],
+        ["robust", IBIS, "--sigma", "0.05"],
+        ["evaluate", IBIS, "seen.csv"],
+        ["evaluate", IBIS, "seen.csv", "--model", "limit"],
+        ["map", IBIS, "--size", "3"],
+        ["field", IBIS, "--size", "3"],
     ):
         assert call(*arguments).files == kept, arguments
     again = json.loads(call("warm", "--json").out)

@@ -85,6 +85,16 @@ def _evaluate(model: str) -> None:
     evaluate(bird, seen, model=wake, sigma=0.05, finds_optimum=False)
 
 
+def _drift(model: str) -> None:
+    from upwash.aero.pose import Pose, Stroke
+    from upwash.place.balance import Behind
+    from upwash.place.robust import Jittering, Spread
+
+    bird, wake = _asked(model)
+    jittering = Jittering(Behind(bird, "power", model=wake), Spread.of_place(0.05))
+    jittering.remaining(Pose(1.8, 0.9, 0.0, Stroke(bird.amplitude_m, bird.upstroke_span_ratio), 0.5))
+
+
 def _map_savings(model: str) -> None:
     from upwash.study.saving_map import map_savings
 
@@ -99,6 +109,7 @@ _WORK: dict[str, Callable[[str], None]] = {
     "the proof": _prove,
     "what is told of optima": _tell,
     "observed birds": _evaluate,
+    "birds that drift": _drift,
     "maps of saving": _map_savings,
     "maps of force": _map_forces,
 }

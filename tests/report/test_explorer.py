@@ -400,7 +400,7 @@ class TestCommand:
         ("arguments", "said"),
         [
             (["no-such-bird"], "expected a name in the library"),
-            ([IBIS, "--set", "stroke_states=4"], "another part of the wake's model"),
+            ([IBIS, "--set", "stroke_states=64"], "another part of the wake's model"),
             ([IBIS, "--model", "paper", "--set", "core_radius_ratio=2"], "core_radius_ratio"),
         ],
     )

@@ -135,7 +135,8 @@ def with_groups(rows: pd.DataFrame) -> pd.DataFrame:
     """
     semispan = rows["semispan_m"]
     weight = rows["mass_kg"] * rows["gravity_m_s2"]
-    return rows.assign(
+    # A copy is in one piece, which frames that were put together are not.
+    return rows.copy().assign(
         weight_number=weight / (rows["density_kg_m3"] * semispan**2 * rows["speed_m_s"] ** 2),
         wavelength_number=rows["speed_m_s"] * rows["period_s"] / semispan,
         amplitude_number=rows["leader_amplitude_m"] / semispan,

@@ -68,8 +68,6 @@ class Sources:
         All optima of one bird behind an endless wake, for each objective and span law.
     refinement : DataFrame or None
         All optima of one bird as states, points of the span and wavelengths are refined.
-    mixed : DataFrame or None
-        All optima of several species behind several others.
     claims : DataFrame or None
         The ledger of the paper's claims.
     drift : DataFrame or None
@@ -94,7 +92,6 @@ class Sources:
     samples: pd.DataFrame | None
     limit: pd.DataFrame | None
     refinement: pd.DataFrame | None
-    mixed: pd.DataFrame | None
     claims: pd.DataFrame | None
     drift: pd.DataFrame | None
     ranges: pd.DataFrame | None
@@ -183,7 +180,6 @@ def _frames_of(study: Study) -> dict[str, pd.DataFrame | None]:
     if study.kind is Flock:
         solved = study.rows[study.rows["status"] == of.SOLVED]
         return {"flock": solved if len(solved) else None}
-    mixed = _mixed(study.rows)
     # What else is drawn is of birds that are alike and beat in step.
     is_usual = study.rows["ahead_species"].isna() & study.rows["phase_lock"].ne(False)
     study = replace(study, rows=study.rows[is_usual])
@@ -195,7 +191,6 @@ def _frames_of(study: Study) -> dict[str, pd.DataFrame | None]:
         "limit": _limit(study.rows[is_endless]),
         "ranges": read_ranges(study.path),
         "refinement": _refinement(study.rows),
-        "mixed": mixed,
         **_frames_of_ending(replace(study, rows=study.rows[~is_endless])),
     }
 
@@ -216,17 +211,6 @@ def _limit(rows: pd.DataFrame) -> pd.DataFrame | None:
     found = rows[rows["job_id"].isin(jobs["job_id"])]
     in_v = found[found["is_v_optimum"].eq(True) & (found["objective"] == "power")]
     return found if in_v["span_law"].nunique() > 1 else None
-
-
-def _mixed(rows: pd.DataFrame) -> pd.DataFrame | None:
-    """Return the optima of several species behind several others, of one objective."""
-    solved = rows[rows["status"] == of.SOLVED]
-    unlike = solved[solved["ahead_species"].notna()]
-    if unlike["species"].nunique() < LEAST_VALUES or unlike["ahead_species"].nunique() < LEAST_VALUES:
-        return None
-    first = unlike.iloc[0]
-    same = solved["phase_lock"].eq(first["phase_lock"]) & solved["objective"].eq(first["objective"])
-    return solved[same]
 
 
 # What of a model is refined.
