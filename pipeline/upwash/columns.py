@@ -142,6 +142,8 @@ class Column:
         The lists that it is shown in, of `JOBS` and `OPTIMA`.
     since : int
         The version of the schema with which it came.
+    before : bool or None
+        What rows that were written before it stand for.
     words : dict
         What is kept for a value that is a word -> the word, by which sweeps, commands and JSON know it.
     """
@@ -162,6 +164,7 @@ class Column:
     verified_in_flock: str = ""
     listed: tuple[str, ...] = ()
     since: int = OLDEST_READ
+    before: bool | None = None
     words: Mapping[float | None, str] = field(default_factory=dict, hash=False)
 
     def told(self, kept: Any) -> Any:
@@ -340,8 +343,8 @@ COLUMNS = (
         "phase_lock",
         description="whether birds beat in step, in the first one's period, or each in its own, averaged over phases",
         type=TRUTH,
-        absent=UNASKED,
         since=3,
+        before=True,
     ),
     _unlike(
         "ahead_species",

@@ -58,7 +58,7 @@ def conformed(table: pa.Table, schema: pa.Schema) -> pa.Table:
 
 
 def brought_up(table: pa.Table, schema: pa.Schema) -> pa.Table:
-    """Return a table with the columns of a schema that came after it was written, which are null there."""
+    """Return a table with the columns of a schema that came after it was written: what it stood for, or null."""
     later = [field for field in schema if field.name not in table.column_names and _is_later(field.name)]
     if not later:
         return table
@@ -66,7 +66,10 @@ def brought_up(table: pa.Table, schema: pa.Schema) -> pa.Table:
     table = pa.table(
         {
             **{name: table.column(name) for name in table.column_names},
-            **{field.name: pa.nulls(table.num_rows, field.type) for field in later},
+            **{
+                field.name: pa.repeat(pa.scalar(of.column(field.name).before, field.type), table.num_rows)
+                for field in later
+            },
         },
         schema=pa.schema([*table.schema, *later], metadata=table.schema.metadata),
     )

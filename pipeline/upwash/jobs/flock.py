@@ -19,6 +19,7 @@ from upwash.aero.pose import Pose, Stroke
 from upwash.aero.together import in_step
 from upwash.aero.wake import WakeModel
 from upwash.jobs.bird import Companion, NoBird, wavelength_ratio
+from upwash.jobs.jitter import NAMES
 from upwash.jobs.kind import Answer, Kind
 from upwash.jobs.schema import of_two, schema_of
 from upwash.jobs.stored import (
@@ -194,7 +195,11 @@ class Flock(Kind):
         return why_none(row["leader"], proof)
 
     def whole(self, job: Job, rows: Sequence[of.Stored]) -> Complaints:
-        """Each bird follows the one that the shape says, and stands there, on its side."""
+        """Each bird follows the one that the shape says, and stands there, on its side; none jitters."""
+        for row in rows:
+            for name in NAMES:
+                if row.get(name) is not None:
+                    yield name, f"expected none, as birds of flocks are told no jitter, found {row[name]}"
         for row in rows if rows[0]["status"] == of.SOLVED else ():
             for name, value in self.links(row, rows).items():
                 # Places add up, the rest is the same value.
@@ -218,10 +223,11 @@ class Flock(Kind):
             return links
         side = self.rules.side_of(number)
         phase: of.Row = {"phase_flock": None}
-        if self.phase_lock:
+        told = row["phase_flock"]
+        if self.phase_lock and None not in (ahead["phase_flock"], row["phase"]):
             lag = ahead["phase_flock"] + row["phase"]
             # By rounding a phase may be next to 0 or next to 1.
-            turns = round(row["phase_flock"] - lag) if 0.0 <= row["phase_flock"] < 1.0 else -math.floor(lag)
+            turns = round(told - lag) if told is not None and 0.0 <= told < 1.0 else -math.floor(lag)
             phase["phase_flock"] = lag + turns
         return links | {
             **{f"{axis}_flock_m": ahead[f"{axis}_flock_m"] + row[f"{axis}_m"] for axis in "xyz"},
